@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Balls with little and with much air",
     controls: "",
-    eye: Vec3::new(0.0, 1.5, 4.2),
-    target: Vec3::new(0.0, 0.55, 0.0),
+    eye: Vec3::new(0.9, 1.05, 2.7),
+    target: Vec3::new(0.08, 0.42, 0.0),
     picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup);

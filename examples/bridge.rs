@@ -12,7 +12,7 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "A bridge of particles and sticks that are entities",
     controls: "",
-    eye: Vec3::new(1.4, 1.7, 3.4),
+    eye: Vec3::new(1.5, 1.75, 2.7),
     target: Vec3::new(0.0, 0.75, 0.0),
     picture_time: 2.5,
     build: |app| {

@@ -13,8 +13,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A scene in Bevy's scene notation",
     controls: "",
-    eye: Vec3::new(0.4, 1.7, 4.4),
-    target: Vec3::new(0.0, 1.35, 0.0),
+    eye: Vec3::new(0.6, 1.5, 4.3),
+    target: Vec3::new(-0.05, 1.32, 0.0),
     picture_time: 2.0,
     build: |app| {
         app.insert_resource(Wind { velocity: Vec3::new(2.5, 0.0, 1.0), ..default() });

@@ -14,8 +14,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A cape on a character that walks, runs, jumps and turns",
     controls: "Space: turn at once, as in a teleport",
-    eye: Vec3::new(-0.6, 1.9, -3.6),
-    target: Vec3::new(-3.5, 0.9, 0.2),
+    eye: Vec3::new(-1.25, 1.35, -1.05),
+    target: Vec3::new(-3.5, 0.95, 0.2),
     picture_time: 12.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(Update, animate);

@@ -15,8 +15,8 @@ use drape_examples::view::gltf_files::AwaitedFile;
 pub const FEATURE: Feature = Feature {
     title: "Capes from a glTF file, moved by its animations",
     controls: "",
-    eye: Vec3::new(4.5, 1.6, 2.6),
-    target: Vec3::new(2.0, 0.82, -0.2),
+    eye: Vec3::new(4.65, 1.3, 2.65),
+    target: Vec3::new(2.0, 0.88, -0.2),
     picture_time: 7.4,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A skirt from a mesh, on a figure that turns",
     controls: "",
-    eye: Vec3::new(0.0, 1.5, 3.0),
-    target: Vec3::new(0.0, 0.75, 0.0),
+    eye: Vec3::new(0.8, 1.25, 2.6),
+    target: Vec3::new(0.0, 0.85, 0.0),
     picture_time: 2.6,
     build: |app| {
         app.add_systems(FixedUpdate, turn).add_systems(Startup, setup);

@@ -13,8 +13,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Crates and stones, each of four particles",
     controls: "",
-    eye: Vec3::new(2.2, 2.0, 4.4),
-    target: Vec3::new(0.3, 0.6, 0.0),
+    eye: Vec3::new(2.0, 1.9, 3.2),
+    target: Vec3::new(-0.4, 0.45, 0.0),
     picture_time: 1.4,
     build: |app| {
         app.add_systems(Startup, setup);

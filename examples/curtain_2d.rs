@@ -13,9 +13,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A curtain in a plane, five passes a step",
     controls: "",
-    eye: Vec3::new(0.0, 1.2, 4.0),
-    target: Vec3::new(0.0, 1.2, 0.0),
-    picture_time: 2.2,
+    eye: Vec3::new(0.5, 1.35, 2.4),
+    target: Vec3::new(0.05, 1.28, 0.0),
+    picture_time: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, swing);
     },

@@ -12,9 +12,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A blade goes through a curtain",
     controls: "space  slash",
-    eye: Vec3::new(1.6, 1.5, 3.4),
-    target: Vec3::new(0.0, 1.0, 0.0),
-    picture_time: 1.1,
+    eye: Vec3::new(1.2, 1.3, 2.9),
+    target: Vec3::new(0.0, 1.02, 0.0),
+    picture_time: 0.9,
     build: |app| {
         app.add_systems(FixedUpdate, slash).add_systems(Startup, setup);
     },

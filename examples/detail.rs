@@ -14,8 +14,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A street of flags, less work for those far away",
     controls: "",
-    eye: Vec3::new(-7.0, 5.5, 11.0),
-    target: Vec3::new(0.6, 2.6, -7.0),
+    eye: Vec3::new(-5.5, 3.2, 3.5),
+    target: Vec3::new(0.3, 2.7, -8.0),
     picture_time: 3.0,
     build: |app| {
         app.add_systems(Startup, setup)

@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A strong hand and a weak one lift a curtain",
     controls: "",
-    eye: Vec3::new(2.9, 1.5, 2.3),
-    target: Vec3::new(0.0, 1.15, 0.1),
+    eye: Vec3::new(2.4, 1.35, 2.45),
+    target: Vec3::new(0.0, 1.15, 0.2),
     picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, pull);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Cloths at rest on five shapes",
     controls: "",
-    eye: Vec3::new(0.3, 2.2, 5.0),
-    target: Vec3::new(0.0, 0.45, 0.0),
+    eye: Vec3::new(3.3, 1.4, 2.6),
+    target: Vec3::new(1.12, 0.42, 0.0),
     picture_time: 3.0,
     build: |app| {
         app.add_systems(Startup, setup);

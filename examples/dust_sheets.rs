@@ -13,8 +13,8 @@ use drape_examples::view::gltf_files::AwaitedFile;
 pub const FEATURE: Feature = Feature {
     title: "Dust sheets on furniture from a glTF file",
     controls: "",
-    eye: Vec3::new(0.5, 1.5, 3.1),
-    target: Vec3::new(-0.2, 0.52, 0.0),
+    eye: Vec3::new(1.0, 1.35, 3.1),
+    target: Vec3::new(-0.17, 0.5, 0.0),
     picture_time: 4.0,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "The same weight, bending ten times as hard from cloth to cloth",
     controls: "",
-    eye: Vec3::new(0.0, 0.72, 1.35),
-    target: Vec3::new(0.0, 0.22, 0.0),
+    eye: Vec3::new(0.37, 0.58, 1.33),
+    target: Vec3::new(0.05, 0.18, 0.0),
     picture_time: 3.0,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A fan: wind in one place only",
     controls: "",
-    eye: Vec3::new(1.5, 1.7, 3.6),
-    target: Vec3::new(0.2, 0.9, 0.0),
+    eye: Vec3::new(1.2, 1.5, 2.9),
+    target: Vec3::new(0.12, 0.9, 0.0),
     picture_time: 2.0,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Gusts, and the lee of a tower",
     controls: "",
-    eye: Vec3::new(1.2, 2.4, 5.6),
-    target: Vec3::new(0.6, 1.7, 0.0),
+    eye: Vec3::new(0.9, 1.6, 4.2),
+    target: Vec3::new(0.7, 1.45, 0.0),
     picture_time: 3.5,
     build: |app| {
         app.add_systems(Startup, setup);

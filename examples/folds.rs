@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A strip lays itself down in folds",
     controls: "",
-    eye: Vec3::new(0.6, 0.55, 1.0),
-    target: Vec3::new(0.0, 0.18, 0.05),
+    eye: Vec3::new(0.5, 0.4, 0.78),
+    target: Vec3::new(0.0, 0.16, 0.02),
     picture_time: 4.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, lower);

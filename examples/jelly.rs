@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Jellies on a flight of steps",
     controls: "",
-    eye: Vec3::new(2.6, 1.9, 3.4),
-    target: Vec3::new(0.25, 0.45, 0.0),
+    eye: Vec3::new(2.1, 1.7, 2.9),
+    target: Vec3::new(-0.05, 0.45, 0.0),
     picture_time: 0.95,
     build: |app| {
         app.add_systems(Startup, setup);

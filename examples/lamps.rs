@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Lamps on a rope between two boats",
     controls: "",
-    eye: Vec3::new(1.4, 1.6, 5.4),
-    target: Vec3::new(0.0, 0.95, 0.0),
+    eye: Vec3::new(1.2, 1.3, 3.95),
+    target: Vec3::new(0.05, 0.85, 0.0),
     picture_time: 2.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, float);

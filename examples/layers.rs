@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Balls that meet cloth of their own layer only",
     controls: "",
-    eye: Vec3::new(3.2, 1.9, 2.6),
-    target: Vec3::new(0.0, 0.9, -0.2),
+    eye: Vec3::new(2.4, 1.5, 2.0),
+    target: Vec3::new(0.0, 1.0, -0.3),
     picture_time: 0.42,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -15,8 +15,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Sheets that turn red when they touch something, and blue when they sleep",
     controls: "",
-    eye: Vec3::new(0.5, 1.7, 4.9),
-    target: Vec3::new(0.2, 0.7, 0.0),
+    eye: Vec3::new(0.9, 1.6, 5.3),
+    target: Vec3::new(0.35, 0.66, 0.0),
     picture_time: 3.2,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Silk, cotton, denim, leather, rubber, net, chain",
     controls: "",
-    eye: Vec3::new(0.0, 2.6, 6.2),
-    target: Vec3::new(0.0, 0.6, 0.0),
+    eye: Vec3::new(3.4, 1.2, 2.4),
+    target: Vec3::new(1.31, 0.5, 0.0),
     picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup);

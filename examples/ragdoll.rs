@@ -12,9 +12,9 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "Ragdolls on a flight of stairs",
     controls: "",
-    eye: Vec3::new(3.4, 2.2, 3.6),
-    target: Vec3::new(0.5, 0.7, 0.0),
-    picture_time: 1.1,
+    eye: Vec3::new(2.5, 1.7, 2.9),
+    target: Vec3::new(0.3, 0.75, 0.0),
+    picture_time: 0.6,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -12,9 +12,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Soft balls of three stiffnesses",
     controls: "",
-    eye: Vec3::new(0.0, 1.2, 4.6),
-    target: Vec3::new(0.0, 0.9, 0.0),
-    picture_time: 1.15,
+    eye: Vec3::new(0.4, 1.1, 3.3),
+    target: Vec3::new(0.1, 0.85, 0.0),
+    picture_time: 0.42,
     build: |app| {
         app.add_systems(Startup, setup);
     },

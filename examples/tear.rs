@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Three cloths of different strength",
     controls: "",
-    eye: Vec3::new(2.6, 2.0, 4.4),
-    target: Vec3::new(0.0, 1.15, 0.0),
+    eye: Vec3::new(2.0, 1.6, 3.6),
+    target: Vec3::new(0.1, 0.98, -0.2),
     picture_time: 1.25,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A trampoline counts what lands on it",
     controls: "",
-    eye: Vec3::new(1.8, 1.9, 3.6),
-    target: Vec3::new(0.0, 0.7, 0.0),
+    eye: Vec3::new(1.5, 1.75, 2.7),
+    target: Vec3::new(0.0, 0.75, 0.0),
     picture_time: 2.0,
     build: |app| {
         app.add_systems(Update, count).add_systems(Startup, setup);

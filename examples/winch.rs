@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A winch with ten kilograms on its rope",
     controls: "",
-    eye: Vec3::new(1.8, 1.9, 3.1),
-    target: Vec3::new(-0.2, 1.45, 0.0),
+    eye: Vec3::new(1.05, 1.75, 2.0),
+    target: Vec3::new(-0.12, 1.72, 0.0),
     picture_time: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, turn);

@@ -11,9 +11,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A wrecking ball drags a crate along",
     controls: "",
-    eye: Vec3::new(2.3, 1.9, 4.6),
-    target: Vec3::new(-0.1, 1.35, 0.0),
-    picture_time: 1.05,
+    eye: Vec3::new(-1.5, 1.6, 3.6),
+    target: Vec3::new(-0.05, 1.5, 0.0),
+    picture_time: 0.95,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -1,5 +1,7 @@
 //! Meshes and materials of an example's bodies and obstacles, in the colours of their [`Paint`].
 
+use core::f32::consts::FRAC_PI_2;
+
 use bevy::prelude::*;
 use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
@@ -8,14 +10,17 @@ use bevy_drape_script::recording::Form;
 use drape_solver::parry3d::shape::{SharedShape, TypedShape};
 use drape_solver::{Placement, Shape};
 
+use crate::feature::surfaces::{Surfaces, jelly};
 use crate::view::lighting::LightingPlugin;
 use crate::view::paint::Paint;
 use crate::view::shape_meshes::{Placed, flat, material_of, mesh_of};
-use crate::view::shared_materials::{EARTH, SharedMaterials, SharedMaterialsPlugin};
+use crate::view::shared_materials::{SharedMaterials, SharedMaterialsPlugin};
 use crate::view::tubes::TubesPlugin;
 
 /// Colour of obstacles that have no paint, but for the ground.
 const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
+/// Colour of the ground that has no paint.
+const STONE: Color = Color::srgb(0.56, 0.54, 0.50);
 /// Pieces that a round shape is made of, all the way round.
 const ROUNDNESS: u32 = 48;
 
@@ -25,7 +30,11 @@ pub struct FeatureMaterialsPlugin;
 impl Plugin for FeatureMaterialsPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((LightingPlugin, SharedMaterialsPlugin, TubesPlugin))
-            .add_systems(Update, (add_body_materials, add_obstacle_meshes, add_rigid_meshes, repaint));
+            .init_resource::<Surfaces>()
+            .add_systems(
+                Update,
+                (add_body_materials, add_obstacle_meshes, add_rigid_meshes, add_rails, repaint),
+            );
     }
 }
 
@@ -43,21 +52,20 @@ type Bare = (
 );
 
 fn add_body_materials(
-    bodies: Query<(Entity, Option<&Paint>), Bare>,
+    bodies: Query<(Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>), Bare>,
     shared: Res<SharedMaterials>,
+    surfaces: Res<Surfaces>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    for (entity, paint) in &bodies {
+    for (entity, paint, rope, is_cloth, is_cloth_mesh) in &bodies {
         let painted = paint.map(|paint| {
-            materials.add(StandardMaterial {
-                base_color: paint.color(),
-                perceptual_roughness: 0.8,
-                reflectance: 0.25,
-                diffuse_transmission: 0.2,
-                double_sided: true,
-                cull_mode: None,
-                ..default()
+            let colour = paint.color();
+            materials.add(match rope {
+                Some((rope, tube)) => surfaces.rope(colour, rope, tube),
+                None if is_cloth => surfaces.cloth(colour),
+                None if is_cloth_mesh => surfaces.cloth_mesh(colour),
+                None => jelly(colour),
             })
         });
         let fabric = painted.unwrap_or(shared.fabric.clone());
@@ -104,6 +112,7 @@ struct HasMeshes;
 
 fn add_obstacle_meshes(
     obstacles: Query<(Entity, &Obstacle, Option<&Paint>), (Without<HasMeshes>, Without<Mesh3d>)>,
+    surfaces: Res<Surfaces>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
@@ -117,19 +126,55 @@ fn add_obstacle_meshes(
         }
         let Ok(Some(whole)) = obstacle.shape.solid(None) else { continue };
         for (shape, at) in parts(&whole) {
-            let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
-            let colour = paint.map_or(usual, Paint::color);
-            let form = Form::of(shape);
-            let (looks, form) = match round(shape) {
+            let (looks, form): (Option<Placed>, Form) = match round(shape) {
                 Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
-                None => (mesh_of(form), form),
+                None => (mesh_of(Form::of(shape)), Form::of(shape)),
             };
-            let looks: Option<Placed> = looks;
+            let material = match (form, paint) {
+                (Form::HalfSpace { .. }, None) => surfaces.ground(STONE),
+                (Form::HalfSpace { .. }, Some(paint)) => surfaces.water(paint.color()),
+                _ => material_of(form, paint.map_or(SOLID, Paint::color)),
+            };
             if let Some((mesh, place)) = looks {
-                let material = materials.add(material_of(form, colour));
-                parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), at * place));
+                parent.with_child((
+                    Mesh3d(meshes.add(mesh)),
+                    MeshMaterial3d(materials.add(material)),
+                    at * place,
+                ));
             }
         }
+    }
+}
+
+/// Marks cloth that has been looked at for a rail.
+#[derive(Component)]
+struct IsHung;
+
+/// Draws the rail that a curtain hangs from. Where there are ropes, it hangs from what the scene has.
+fn add_rails(
+    cloths: Query<(Entity, &Cloth), Without<IsHung>>,
+    ropes: Query<(), With<Rope>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, cloth) in &cloths {
+        let mut parent = commands.entity(entity);
+        parent.insert(IsHung);
+        if cloth.pins != ClothPins::Top || !ropes.is_empty() {
+            continue;
+        }
+        let radius = (0.012 * cloth.size.x).clamp(0.008, 0.02);
+        let rail = Capsule3d::new(radius, cloth.size.x + 6.0 * radius).mesh().build();
+        let brass = StandardMaterial {
+            base_color: Color::srgb(0.36, 0.33, 0.30),
+            metallic: 0.4,
+            perceptual_roughness: 0.45,
+            ..default()
+        };
+        let along_top =
+            Transform::from_xyz(0.0, 0.5 * cloth.size.y, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_2));
+        parent.with_child((Mesh3d(meshes.add(rail)), MeshMaterial3d(materials.add(brass)), along_top));
     }
 }
 

@@ -9,6 +9,8 @@ mod headless;
 pub(crate) mod materials;
 #[cfg(feature = "render")]
 pub(crate) mod picture;
+#[cfg(feature = "render")]
+mod surfaces;
 #[cfg(feature = "window")]
 mod window;
 

@@ -3,6 +3,7 @@
 use core::time::Duration;
 use std::path::Path;
 
+use bevy::pbr::ScreenSpaceAmbientOcclusion;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
@@ -14,7 +15,9 @@ use crate::view::offscreen::{self, OffscreenCamera, PictureError};
 use crate::view::viewpoint::Viewpoint;
 
 /// Size in pixels at which the scene is drawn: twice that of the picture, for smooth edges.
-const DRAWN: UVec2 = UVec2::new(960, 540);
+const DRAWN: UVec2 = UVec2::new(2560, 1440);
+/// The same for films.
+const FILMED: UVec2 = UVec2::new(960, 540);
 /// Vertical angle of view in radians.
 pub const FIELD_OF_VIEW: f32 = 0.7;
 /// Pictures for each second of a film.
@@ -25,8 +28,9 @@ const RATE: u32 = 25;
 /// # Errors
 /// [`PictureError`].
 pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureError> {
-    let (mut app, offscreen) = open(feature)?;
+    let (mut app, offscreen) = open(feature, DRAWN)?;
     run(&mut app, seconds);
+    app.world_mut().entity_mut(offscreen.camera()).insert(fine_shadows());
     draw_now(&mut app, &offscreen, path)
 }
 
@@ -39,7 +43,7 @@ pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), Pictur
     let reason =
         |error: std::io::Error| PictureError::File { path: folder.into(), reason: error.to_string() };
     std::fs::create_dir_all(folder).map_err(reason)?;
-    let (mut app, offscreen) = open(feature)?;
+    let (mut app, offscreen) = open(feature, FILMED)?;
     // Bodies are built in the first step.
     run(&mut app, (seconds - 1.5).max(0.1));
     for picture in 0..3 * RATE {
@@ -51,10 +55,10 @@ pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), Pictur
 }
 
 /// Begins the example in an app that draws without a window.
-fn open(feature: &Feature) -> Result<(App, OffscreenCamera), PictureError> {
+fn open(feature: &Feature, size: UVec2) -> Result<(App, OffscreenCamera), PictureError> {
     let build = feature.build;
     let (mut app, offscreen) =
-        offscreen::app((DrapePlugins::default(), FeatureMaterialsPlugin, build), DRAWN)?;
+        offscreen::app((DrapePlugins::default(), FeatureMaterialsPlugin, build), size)?;
     let view = Viewpoint { eye: feature.eye, target: feature.target, field_of_view: FIELD_OF_VIEW };
     let world = app.world_mut();
     let mut cameras = world.query::<(&mut Transform, &mut Projection)>();
@@ -65,6 +69,19 @@ fn open(feature: &Feature) -> Result<(App, OffscreenCamera), PictureError> {
     app.update();
     wait_for_files(&mut app)?;
     Ok((app, offscreen))
+}
+
+/// The shade in folds, and where things stand on each other: too slow for a window on any machine, and for films.
+fn fine_shadows() -> impl Bundle {
+    let occlusion = ScreenSpaceAmbientOcclusion {
+        // Smaller ones leave stripes on walls.
+        radius: 2.0,
+        // As thick as cloth rather than as furniture.
+        constant_object_thickness: 0.1,
+        ..default()
+    };
+    // Ambient occlusion asks for it. The picture is drawn at twice its size.
+    (occlusion, Msaa::Off)
 }
 
 fn run(app: &mut App, seconds: f32) {

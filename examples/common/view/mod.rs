@@ -32,7 +32,7 @@ pub mod slider;
 #[cfg(feature = "window")]
 pub(crate) mod text_panel;
 #[cfg(feature = "render")]
-mod textures;
+pub(crate) mod textures;
 #[cfg(feature = "render")]
 pub(crate) mod tubes;
 #[cfg(feature = "render")]

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_drape_script::recording::Form;
 
 /// Side of the piece of a plane that is shown, in metres.
-const PLANE: f32 = 600.0;
+pub const PLANE: f32 = 600.0;
 
 /// A mesh, and where it is in the obstacle's coordinates.
 pub type Placed = (Mesh, Transform);
@@ -52,7 +52,10 @@ pub fn tapered_capsule(half_length: f32, bottom_radius: f32, top_radius: f32) ->
 
 pub fn plane(normal: Vec3) -> Placed {
     let turn = Quat::from_rotation_arc(Vec3::Y, normal.normalize_or(Vec3::Y));
-    (Plane3d::default().mesh().size(PLANE, PLANE).build(), Transform::from_rotation(turn))
+    let mesh = Plane3d::default().mesh().size(PLANE, PLANE).build();
+    // Waves of water need tangents; a plane has what they are made from.
+    let mesh = mesh.clone().with_generated_tangents().unwrap_or(mesh);
+    (mesh, Transform::from_rotation(turn))
 }
 
 /// Triangles with edges that are seen.

@@ -1,5 +1,7 @@
 //! Textures made in code: nothing to load, nothing to licence.
 
+use core::f32::consts::{PI, TAU};
+
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
@@ -31,7 +33,7 @@ pub fn fabric() -> Image {
         colour = mix(colour, HEM, smooth(0.955, 0.96, v));
         let thread = (v * 25.0).fract();
         colour = mix(colour, HEM, 0.35 * smooth(0.06, 0.03, (thread - 0.5).abs()));
-        let weave = (u * 256.0 * core::f32::consts::TAU).sin() * (v * 192.0 * core::f32::consts::TAU).sin();
+        let weave = (u * 256.0 * TAU).sin() * (v * 192.0 * TAU).sin();
         colour.map(|part| part * (1.0 + 0.05 * weave))
     })
 }
@@ -51,6 +53,96 @@ pub fn sky(horizon: Srgba) -> Image {
     let zenith = [0.27, 0.46, 0.75];
     let horizon = [horizon.red, horizon.green, horizon.blue];
     with_mips(4, 256, |_, v| mix(zenith, horizon, (v * 2.0).min(1.0).powf(0.9)))
+}
+
+/// Threads across a piece of cloth, and from one thick thread to the next.
+const THREADS: f32 = 128.0;
+const THICK_THREAD: f32 = 16.0;
+
+/// Grey cloth, to be multiplied by a colour: threads that pass over and under each other, every sixteenth a thick one, so that
+/// stretch and folds are seen. With a hem and its stitches all round if it `has_hem`; else it can be repeated.
+pub fn weave(has_hem: bool) -> Image {
+    with_mips(1024, 1024, move |u, v| {
+        let (x, y) = (u * THREADS, v * THREADS);
+        let is_over = (x.floor() + y.floor()) as i32 % 2 == 0;
+        // A thread is round, and dives under its neighbours at both ends.
+        let (across, along) = if is_over { (x.fract(), y.fract()) } else { (y.fract(), x.fract()) };
+        let height = (PI * across).sin() * (0.4 + 0.6 * (PI * along).sin());
+        let mut grey = 0.82 + 0.20 * height;
+        let thick = |x: f32| smooth(1.4, 0.6, (x % THICK_THREAD - 0.5 * THICK_THREAD).abs());
+        grey *= 1.0 - 0.05 * thick(x).max(thick(y));
+        if has_hem {
+            let edge = u.min(1.0 - u).min(v.min(1.0 - v));
+            let stitch =
+                smooth(0.002, 0.001, (edge - 0.022).abs()) * smooth(-0.3, 0.3, (0.5 * PI * (x + y)).sin());
+            grey *= 1.0 - 0.14 * smooth(0.027, 0.025, edge) - 0.25 * stitch;
+        }
+        [grey; 3]
+    })
+}
+
+/// Grey rope of three strands, once round and as far along as it is to be repeated.
+pub fn strands() -> Image {
+    with_mips(128, 128, |u, v| {
+        let strand = (3.0 * u + v).fract();
+        let fibre = (TAU * (9.0 * u - 12.0 * v)).sin();
+        [0.45 + 0.60 * (PI * strand).sin().powf(0.6) + 0.04 * fibre; 3]
+    })
+}
+
+/// Tiles along each side of [`tiles`].
+pub const TILES: f32 = 4.0;
+
+/// Grey square tiles with joints, each a little lighter or darker than the next, with the grain of stone.
+pub fn tiles() -> Image {
+    const SIDE: u32 = 1024;
+    let mut image = with_mips(SIDE, SIDE, |u, v| {
+        let (x, y) = (u * TILES, v * TILES);
+        let shade = hash(x as u32 + 17 * y as u32);
+        let cell = |size: f32| hash((u * size) as u32 * 7919 + (v * size) as u32 * 104_729 + size as u32);
+        let grain = 0.5 * cell(256.0) + 0.3 * cell(512.0) + 0.2 * cell(1024.0);
+        let joint = |x: f32| smooth(0.010, 0.005, x.fract().min(1.0 - x.fract()));
+        let grey = 0.88 + 0.07 * (shade - 0.5) + 0.05 * (grain - 0.5);
+        [grey * (1.0 - 0.32 * joint(x).max(joint(y))); 3]
+    });
+    // Seen almost from the side.
+    if let ImageSampler::Descriptor(sampler) = &mut image.sampler {
+        sampler.set_anisotropic_filter(8);
+    }
+    image
+}
+
+/// The normals of small waves on water, to be repeated.
+pub fn ripples() -> Image {
+    // Waves across, waves along, height: whole numbers, so that the edges fit together.
+    const WAVES: [(f32, f32, f32); 7] = [
+        (1.0, 2.0, 0.05),
+        (2.0, -1.0, 0.04),
+        (3.0, 4.0, 0.04),
+        (-5.0, 3.0, 0.03),
+        (7.0, 2.0, 0.03),
+        (4.0, -9.0, 0.03),
+        (11.0, 8.0, 0.02),
+    ];
+    let mut image = with_mips(256, 256, |u, v| {
+        let slope = |weight: fn(f32, f32) -> f32| {
+            let wave = |(i, &(x, y, height)): (usize, &(f32, f32, f32))| {
+                weight(x, y).signum() * height * (TAU * (x * u + y * v) + 2.4 * i as f32).cos()
+            };
+            WAVES.iter().enumerate().map(wave).sum::<f32>()
+        };
+        [0.5 + 0.5 * slope(|x, _| x), 0.5 + 0.5 * slope(|_, y| y), 1.0]
+    });
+    // They are numbers, not colours.
+    image.texture_descriptor.format = TextureFormat::Rgba8Unorm;
+    image
+}
+
+/// A number from 0 to 1 that looks as if by chance.
+fn hash(seed: u32) -> f32 {
+    let mixed = (seed ^ (seed >> 16)).wrapping_mul(0x7feb_352d);
+    let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x846c_a68b);
+    (mixed ^ (mixed >> 16)) as f32 / u32::MAX as f32
 }
 
 /// 0 below `from`, 1 above `to`, smooth between; falling if `to` is the smaller one.

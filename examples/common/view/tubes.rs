@@ -1,5 +1,7 @@
 //! Bodies without a surface, such as ropes and rigs, drawn as tubes.
 
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -10,7 +12,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::rig::StickKind;
 
 /// Sides of a tube.
-const SIDES: u32 = 6;
+const SIDES: u32 = 10;
 /// Thickness of a tube: radius in metres.
 pub const RADIUS: f32 = 0.012;
 /// Colour of tubes.
@@ -33,20 +35,30 @@ pub fn empty() -> Mesh {
         .with_inserted_indices(Indices::U32(Vec::new()))
 }
 
-/// Makes a prism of this radius (in metres) in `mesh` for each pair of ends.
+/// The rings of a tube with round ends, from its first end to its last: which end, and the angle to its middle plane.
+const RINGS: [(usize, f32); 6] =
+    [(0, -FRAC_PI_2), (0, -FRAC_PI_4), (0, 0.0), (1, 0.0), (1, FRAC_PI_4), (1, FRAC_PI_2)];
+
+/// Makes a tube of this radius (in metres), with round ends, in `mesh` for each pair of ends.
 pub fn write(mesh: &mut Mesh, tubes: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
-    for [from, to] in tubes {
-        let Some(along) = (to - from).try_normalize() else { continue };
+    for ends in tubes {
+        let Some(along) = (ends[1] - ends[0]).try_normalize() else { continue };
         let (side, up) = along.any_orthonormal_pair();
-        let first = positions.len() as u32;
-        for corner in 0..SIDES {
-            let angle = core::f32::consts::TAU * corner as f32 / SIDES as f32;
-            let normal = side * angle.cos() + up * angle.sin();
-            positions.extend([from + normal * radius, to + normal * radius]);
-            normals.extend([normal, normal]);
-            let (here, next) = (first + 2 * corner, first + 2 * ((corner + 1) % SIDES));
-            indices.extend([here, next, here + 1, next, next + 1, here + 1]);
+        for (ring, (end, tilt)) in RINGS.into_iter().enumerate() {
+            let first = positions.len() as u32;
+            for corner in 0..SIDES {
+                let angle = TAU * corner as f32 / SIDES as f32;
+                let outward = side * angle.cos() + up * angle.sin();
+                let normal = outward * tilt.cos() + along * tilt.sin();
+                positions.push(ends[end] + normal * radius);
+                normals.push(normal);
+                if ring > 0 {
+                    let (here, next) = (first + corner, first + (corner + 1) % SIDES);
+                    let (below, below_next) = (here - SIDES, next - SIDES);
+                    indices.extend([below, below_next, here, below_next, next, here]);
+                }
+            }
         }
     }
     mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
