@@ -166,7 +166,7 @@ fn add_rails(
         }
         let radius = (0.012 * cloth.size.x).clamp(0.008, 0.02);
         let rail = Capsule3d::new(radius, cloth.size.x + 6.0 * radius).mesh().build();
-        let brass = StandardMaterial {
+        let iron = StandardMaterial {
             base_color: Color::srgb(0.36, 0.33, 0.30),
             metallic: 0.4,
             perceptual_roughness: 0.45,
@@ -174,7 +174,7 @@ fn add_rails(
         };
         let along_top =
             Transform::from_xyz(0.0, 0.5 * cloth.size.y, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_2));
-        parent.with_child((Mesh3d(meshes.add(rail)), MeshMaterial3d(materials.add(brass)), along_top));
+        parent.with_child((Mesh3d(meshes.add(rail)), MeshMaterial3d(materials.add(iron)), along_top));
     }
 }
 

@@ -58,6 +58,7 @@ impl Surfaces {
             ..solid(colour)
         }
     }
+
     /// Ground that has a colour of its own: water.
     pub fn water(&self, colour: Color) -> StandardMaterial {
         StandardMaterial {
