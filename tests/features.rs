@@ -15,6 +15,9 @@ use showcase::FEATURES;
 /// Faster than the hem of a cloth that a ball of 10 m/s drags through the air like a whip, in m/s.
 const TOO_FAST: f32 = 100.0;
 
+/// The least time that an example is run, in seconds: long enough for what falls to land, whatever its picture shows.
+const LEAST_TIME: f32 = 2.2;
+
 /// Examples that are no features of their own, or need a GPU: they have other tests.
 const OTHERS: [&str; 6] = ["cannon", "models", "readme", "scene", "showcase", "stadium"];
 /// Examples that need the feature `gltf`.
@@ -38,7 +41,7 @@ runs! {
 }
 
 fn run(feature: &Feature) -> FeatureReport {
-    let report = feature.run_headless(feature.picture_time).expect("a run without a fault");
+    let report = feature.run_headless(feature.picture_time.max(LEAST_TIME)).expect("a run without a fault");
     assert!(report.greatest_speed < TOO_FAST, "{report:?}");
     assert!(report.greatest_speed > 0.1, "nothing moves: {report:?}");
     report

@@ -105,6 +105,13 @@ fn bits(app: &mut App) -> (u64, Vec<[u32; 3]>) {
     (hash(app, &chosen), obstacles.map(place).collect())
 }
 
+/// The keys of all members; asserts that each is known once.
+fn distinct_keys(app: &mut App) -> Vec<Key> {
+    let keys: Vec<Key> = members(app.world_mut()).into_iter().map(|(key, _)| key).collect();
+    assert!(keys.is_sorted_by(|a, b| a < b), "{keys:?}");
+    keys
+}
+
 /// A frame of the game.
 fn advance(app: &mut App) {
     app.world_mut().run_schedule(Advance);
@@ -176,8 +183,7 @@ fn what_is_not_chosen_stays_as_it_is() {
     app.world_mut().spawn((curtain(), Transform::from_xyz(15.0, 0.0, 0.0)));
     app.world_mut().entity_mut(late).remove::<Disabled>();
     step(&mut app, 1);
-    let keys: Vec<Key> = members(app.world_mut()).into_iter().map(|(key, _)| key).collect();
-    assert!(keys.is_sorted_by(|a, b| a < b), "{keys:?}");
+    let keys = distinct_keys(&mut app);
     assert_eq!(keys.iter().filter(|key| matches!(key, Key::Body(_))).count(), 5);
 }
 
@@ -200,8 +206,7 @@ fn obstacles_come_back_beside_those_that_are_not_chosen() {
     app.world_mut().entity_mut(goes).insert(RolledBack);
     step(&mut app, 2);
     saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
-    let keys: Vec<Key> = members(app.world_mut()).into_iter().map(|(key, _)| key).collect();
-    assert!(keys.is_sorted_by(|a, b| a < b), "each is known once: {keys:?}");
+    distinct_keys(&mut app);
     assert!(app.world().get_entity(goes).is_err());
     assert!(app.world().get_entity(stays).is_ok());
     let balls = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0].map(|x| {

@@ -31,6 +31,18 @@ fn both(steps: u32, after_step: impl FnMut(&mut Game, u32)) -> ([Option<Differen
     ([found, guest.join().expect("no panic")], game.hash())
 }
 
+/// Asserts that both sides have found a difference after this step, in this body and particle.
+fn both_name(
+    found: [Option<Difference>; 2],
+    expected: (u32, &'static str, Option<usize>),
+) -> [Difference; 2] {
+    found.map(|difference| {
+        let difference = difference.expect("one side found nothing");
+        assert_eq!((difference.step, difference.body, difference.particle), expected);
+        difference
+    })
+}
+
 #[test]
 fn two_sides_are_equal_in_each_of_a_thousand_steps() {
     let (found, hash) = both(1000, |_, _| ());
@@ -50,10 +62,7 @@ fn one_bit_is_found_in_its_step_and_named() {
             game.disturb(123);
         }
     });
-    let [Some(host), Some(guest)] = found else { panic!("{found:?}") };
-    for difference in [&host, &guest] {
-        assert_eq!((difference.step, difference.body, difference.particle), (321, "curtain", Some(123)));
-    }
+    let [host, guest] = both_name(found, (321, "curtain", Some(123)));
     let mut places = guest.places;
     places.reverse();
     assert_eq!(host.places, places);
@@ -64,15 +73,11 @@ fn one_bit_is_found_in_its_step_and_named() {
 fn a_ball_that_only_moves_otherwise_is_named() {
     let (found, _) = both(100, |game, step| {
         if step == 50 {
-            let (_, ball) = game.balls[1];
-            let ball = game.world.ball_mut(ball).expect("in the world");
+            let ball = game.world.ball_mut(game.balls[1]).expect("in the world");
             ball.set_velocity(ball.velocity() + 1e-3 * Vec3::X);
         }
     });
-    let [Some(host), Some(guest)] = found else { panic!("{found:?}") };
-    for difference in [host, guest] {
-        assert_eq!((difference.step, difference.body, difference.particle), (50, "second ball", None));
-    }
+    both_name(found, (50, "second ball", None));
 }
 
 /// A move that only one side made is found in its step, though the sphere touches nothing yet.
@@ -83,8 +88,5 @@ fn a_move_that_got_lost_is_found_in_its_step() {
             game.drive(1, [0, 1, 0]);
         }
     });
-    let [Some(host), Some(guest)] = found else { panic!("{found:?}") };
-    for difference in [host, guest] {
-        assert_eq!((difference.step, difference.body, difference.particle), (4, "second sphere", Some(0)));
-    }
+    both_name(found, (4, "second sphere", Some(0)));
 }

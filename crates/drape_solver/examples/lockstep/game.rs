@@ -48,14 +48,23 @@ impl Input {
     }
 }
 
-/// The world, and the names of what is in it.
+/// The world, and what is in it.
 pub struct Game {
     /// The world.
     pub world: World,
-    bodies: [(&'static str, BodyId); 2],
+    curtain: BodyId,
+    rope: BodyId,
     /// The balls of the players.
-    pub balls: [(&'static str, BallId); 2],
-    spheres: [(&'static str, ObstacleId); 2],
+    pub balls: [BallId; 2],
+    spheres: [ObstacleId; 2],
+}
+
+/// Something in the world that moves.
+#[derive(Clone, Copy)]
+enum Member {
+    Body(BodyId),
+    Ball(BallId),
+    Sphere(ObstacleId),
 }
 
 impl Game {
@@ -70,27 +79,26 @@ impl Game {
             .build(settings)?;
         let ends = [Vec3::new(-0.5, 2.0, 0.4), Vec3::new(0.5, 2.0, 0.4)];
         let rope = RopeBuilder::new(ends[0], ends[1], 24).pin_start().build(settings)?;
-        let bodies = [("curtain", world.add_body(curtain)), ("rope", world.add_body(rope))];
-        let mut add_ball = |name, x: f32| -> Result<_, Box<dyn Error>> {
+        let [curtain, rope] = [curtain, rope].map(|body| world.add_body(body));
+        let mut add_ball = |x: f32| -> Result<_, Box<dyn Error>> {
             let ball = Ball::new(BallMaterial::default(), Vec3::new(x, 0.5, 1.5), Vec3::ZERO)?;
-            Ok((name, world.add_ball(ball)))
+            Ok(world.add_ball(ball))
         };
-        let balls = [add_ball("first ball", -1.0)?, add_ball("second ball", 1.0)?];
-        let mut add_sphere = |name, x: f32| -> Result<_, Box<dyn Error>> {
+        let balls = [add_ball(-1.0)?, add_ball(1.0)?];
+        let mut add_sphere = |x: f32| -> Result<_, Box<dyn Error>> {
             let place = Placement::at(Vec3::new(x, 1.0, 0.5));
-            Ok((name, world.add_obstacle(Obstacle::new(Shape::Sphere { radius: 0.2 }, place, 0.5)?)))
+            Ok(world.add_obstacle(Obstacle::new(Shape::Sphere { radius: 0.2 }, place, 0.5)?))
         };
-        let spheres = [add_sphere("first sphere", -0.4)?, add_sphere("second sphere", 0.4)?];
-        Ok(Self { world, bodies, balls, spheres })
+        let spheres = [add_sphere(-0.4)?, add_sphere(0.4)?];
+        Ok(Self { world, curtain, rope, balls, spheres })
     }
 
     /// Takes a step in which each player does something.
     pub fn step(&mut self, inputs: [Input; 2]) -> Result<(), Box<dyn Error>> {
         for (player, input) in inputs.into_iter().enumerate() {
             self.drive(player, input.drive);
-            let (_, ball) = self.balls[player];
             if input.fire
-                && let Some(ball) = self.world.ball_mut(ball)
+                && let Some(ball) = self.world.ball_mut(self.balls[player])
             {
                 ball.set_position(Vec3::new(0.4 * player as f32 - 0.2, 1.3, 2.0));
                 ball.set_velocity(Vec3::new(0.0, 1.0, -9.0));
@@ -103,8 +111,7 @@ impl Game {
     /// Moves the sphere of a player by hundredths of a metre, within the next step.
     pub fn drive(&mut self, player: usize, drive: [i8; 3]) {
         let dt = self.world.dt;
-        let (_, sphere) = self.spheres[player];
-        if let Some(sphere) = self.world.obstacle_mut(sphere) {
+        if let Some(sphere) = self.world.obstacle_mut(self.spheres[player]) {
             let way = Vec3::from_array(drive.map(|drive| 0.01 * f32::from(drive)));
             let place = sphere.placement().translation + way;
             let place = place.clamp(Vec3::new(-1.0, 0.3, -0.8), Vec3::new(1.0, 1.8, 0.8));
@@ -114,42 +121,58 @@ impl Game {
 
     /// Moves a particle of the curtain by the last bit of its height.
     pub fn disturb(&mut self, particle: usize) {
-        let (_, curtain) = self.bodies[0];
-        if let Some(curtain) = self.world.body_mut(curtain) {
+        if let Some(curtain) = self.world.body_mut(self.curtain) {
             let place = curtain.particles.position(particle);
             curtain.particles.set_position(particle, place.with_y(place.y.next_up()));
         }
     }
 
+    /// The names of all that moves.
+    fn members(&self) -> [(&'static str, Member); 6] {
+        [
+            ("curtain", Member::Body(self.curtain)),
+            ("rope", Member::Body(self.rope)),
+            ("first ball", Member::Ball(self.balls[0])),
+            ("second ball", Member::Ball(self.balls[1])),
+            ("first sphere", Member::Sphere(self.spheres[0])),
+            ("second sphere", Member::Sphere(self.spheres[1])),
+        ]
+    }
+
+    fn hash_member(&self, member: Member, hasher: &mut StateHasher) {
+        match member {
+            Member::Body(body) => hasher.particles(&self.world[body].particles),
+            Member::Ball(ball) => hasher.ball(&self.world[ball]),
+            Member::Sphere(sphere) => hasher.numbers(&self.world[sphere].placement().translation.to_array()),
+        };
+    }
+
     /// The hash of all places and motions. What else decides the next bits, such as the time that a body has been at rest,
     /// comes from those.
     pub fn hash(&self) -> u64 {
-        // FNV-1a (Fowler, Noll and Vo 1991), eight bytes at a time.
-        let join = |all: u64, (_, hash): (_, u64)| (all ^ hash).wrapping_mul(0x0000_0100_0000_01B3);
-        self.hashes().fold(0xCBF2_9CE4_8422_2325, join)
+        let mut hasher = StateHasher::new();
+        for (_, member) in self.members() {
+            self.hash_member(member, &mut hasher);
+        }
+        hasher.finish()
     }
 
     /// The name and the hash of each body, ball and sphere.
     pub fn hashes(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        let body = |(name, id): (_, BodyId)| {
-            (name, StateHasher::new().particles(&self.world[id].particles).finish())
-        };
-        let ball = |(name, id): (_, BallId)| (name, StateHasher::new().ball(&self.world[id]).finish());
-        let sphere = |(name, id): (_, ObstacleId)| {
-            let place = self.world[id].placement().translation;
-            (name, StateHasher::new().numbers(&place.to_array()).finish())
-        };
-        let bodies = self.bodies.into_iter().map(body);
-        bodies.chain(self.balls.into_iter().map(ball)).chain(self.spheres.into_iter().map(sphere))
+        self.members().into_iter().map(|(name, member)| {
+            let mut hasher = StateHasher::new();
+            self.hash_member(member, &mut hasher);
+            (name, hasher.finish())
+        })
     }
 
     /// The places in metres of the particles of a body, or of a ball or sphere, in the order of [`hashes`](Self::hashes).
     pub fn places(&self, member: usize) -> Vec<Vec3> {
-        let balls = self.balls.map(|(_, ball)| self.world[ball].position());
-        let spheres = self.spheres.map(|(_, sphere)| self.world[sphere].placement().translation);
-        match self.bodies.get(member) {
-            Some(&(_, body)) => self.world[body].particles.positions().collect(),
-            None => vec![[balls, spheres].concat()[member - self.bodies.len()]],
+        let (_, member) = self.members()[member];
+        match member {
+            Member::Body(body) => self.world[body].particles.positions().collect(),
+            Member::Ball(ball) => vec![self.world[ball].position()],
+            Member::Sphere(sphere) => vec![self.world[sphere].placement().translation],
         }
     }
 }
