@@ -35,6 +35,7 @@ mod scene_notation;
 mod schedule;
 mod simulates;
 mod sleeping;
+mod snapshots;
 mod soft;
 mod spatial_query;
 mod spatial_states;

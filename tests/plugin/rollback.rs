@@ -5,19 +5,14 @@ use std::collections::VecDeque;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy_drape::ball::ProjectileState;
 use bevy_drape::clock::DrapeClock;
-use bevy_drape::contact::DrapeContactStarted;
 use bevy_drape::prelude::*;
 use bevy_drape::rig::{InRig, Particle, Stick};
 use bevy_drape::schedule::DrapeStep;
 use bevy_drape::snapshot::{Key, Snapshot, members};
 
 use crate::common::*;
-
-/// What the game rolls back.
-#[derive(Component)]
-struct RolledBack;
+use crate::snapshots::{RolledBack, distinct_keys};
 
 /// One frame of the game and one step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -105,13 +100,6 @@ fn bits(app: &mut App) -> (u64, Vec<[u32; 3]>) {
     (hash(app, &chosen), obstacles.map(place).collect())
 }
 
-/// The keys of all members; asserts that each is known once.
-fn distinct_keys(app: &mut App) -> Vec<Key> {
-    let keys: Vec<Key> = members(app.world_mut()).into_iter().map(|(key, _)| key).collect();
-    assert!(keys.is_sorted_by(|a, b| a < b), "{keys:?}");
-    keys
-}
-
 /// A frame of the game.
 fn advance(app: &mut App) {
     app.world_mut().run_schedule(Advance);
@@ -185,109 +173,4 @@ fn what_is_not_chosen_stays_as_it_is() {
     step(&mut app, 1);
     let keys = distinct_keys(&mut app);
     assert_eq!(keys.iter().filter(|key| matches!(key, Key::Body(_))).count(), 5);
-}
-
-/// Obstacles come back into the solver's list in their own places, and the others stay in it.
-#[test]
-fn obstacles_come_back_beside_those_that_are_not_chosen() {
-    let mut app = app();
-    let plate = |app: &mut App, x: f32| {
-        app.world_mut().spawn((Obstacle::cuboid(0.5, 0.1, 0.5), Transform::from_xyz(x, 0.0, 0.0))).id()
-    };
-    let plates = [0.0, 2.0, 4.0, 6.0].map(|x| plate(&mut app, x));
-    for &chosen in &plates[1..3] {
-        app.world_mut().entity_mut(chosen).insert(RolledBack);
-    }
-    step(&mut app, 2);
-    let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
-    // One is taken away, two come, one of which belongs to the part.
-    app.world_mut().entity_mut(plates[1]).insert(Disabled);
-    let [stays, goes] = [8.0, 10.0].map(|x| plate(&mut app, x));
-    app.world_mut().entity_mut(goes).insert(RolledBack);
-    step(&mut app, 2);
-    saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
-    distinct_keys(&mut app);
-    assert!(app.world().get_entity(goes).is_err());
-    assert!(app.world().get_entity(stays).is_ok());
-    let balls = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0].map(|x| {
-        let ball = Projectile { radius: 0.1, mass: 1.0, restitution: 0.0, ..default() };
-        app.world_mut().spawn((ball, Transform::from_xyz(x, 0.5, 0.0))).id()
-    });
-    run(&mut app, 1.5);
-    let lies = balls.map(|ball| ball_position(&app, ball).y > 0.0);
-    assert_eq!(lies, [true, true, true, true, true, false]);
-}
-
-/// The list of obstacles has the order that it had, whatever was enabled and disabled since: contacts come in that order.
-#[test]
-fn what_touches_two_obstacles_goes_on_with_the_same_bits() {
-    let mut app = app();
-    let spawn = |app: &mut App, place: Vec3| {
-        app.world_mut()
-            .spawn((Obstacle::sphere(0.3).with_friction(0.5), Transform::from_translation(place)))
-            .id()
-    };
-    let spheres = [Vec3::new(-0.25, 0.0, 0.0), Vec3::new(0.25, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)];
-    let spheres = spheres.map(|place| spawn(&mut app, place));
-    let ball = Projectile { radius: 0.2, mass: 1.0, friction: 0.5, ..default() };
-    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.02, 0.6, 0.1))).id();
-    step(&mut app, 5);
-    let saved = Snapshot::take(app.world_mut());
-    step(&mut app, 30);
-    let expected = hash(&app, &[ball]);
-    for &sphere in &spheres[..2] {
-        app.world_mut().entity_mut(sphere).insert(Disabled);
-        step(&mut app, 1);
-        app.world_mut().entity_mut(sphere).remove::<Disabled>();
-        step(&mut app, 1);
-    }
-    saved.restore(app.world_mut()).expect("the same world");
-    step(&mut app, 30);
-    assert_eq!(hash(&app, &[ball]), expected);
-}
-
-/// A plate that is not chosen, moved in the last step before others go back, stands still afterwards and drags nothing along.
-#[test]
-fn an_obstacle_that_is_not_chosen_comes_to_a_stop() {
-    let mut app = app();
-    app.world_mut().spawn((RolledBack, curtain(), Transform::from_xyz(9.0, 0.0, 0.0)));
-    let plate = Obstacle::cuboid(2.0, 0.1, 0.5).with_friction(1.0);
-    let plate = app.world_mut().spawn((plate, Transform::default())).id();
-    let ball = Projectile { radius: 0.1, mass: 1.0, friction: 1.0, ..default() };
-    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
-    step(&mut app, 30);
-    let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
-    for _ in 0..3 {
-        get_mut::<Transform>(&mut app, plate).translation.x += 0.01;
-        step(&mut app, 1);
-    }
-    saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
-    run(&mut app, 2.0);
-    let speed = get::<ProjectileState>(&app, ball).velocity().length();
-    assert!(speed < 0.3, "the ball goes at {speed} m/s");
-}
-
-/// Contacts between things that are not chosen go on: they are not told again.
-#[test]
-fn contacts_of_what_is_not_chosen_are_told_once() {
-    #[derive(Resource, Default)]
-    struct Started(usize);
-    let mut app = app();
-    app.init_resource::<Started>().add_systems(
-        Last,
-        |mut started: MessageReader<DrapeContactStarted>, mut sum: ResMut<Started>| {
-            sum.0 += started.read().count();
-        },
-    );
-    app.world_mut().spawn((RolledBack, curtain(), Transform::from_xyz(9.0, 0.0, 0.0)));
-    app.world_mut().spawn(Obstacle::ground());
-    let flat = Transform::from_xyz(0.0, 0.05, 0.0).with_rotation(Quat::from_rotation_x(1.57));
-    app.world_mut().spawn((free_cloth(), ContactEvents, flat));
-    step(&mut app, 20);
-    assert_eq!(app.world().resource::<Started>().0, 1);
-    let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
-    step(&mut app, 1);
-    saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
-    step(&mut app, 20);
-    assert_eq!(app.world().resource::<Started>().0, 1);
 }

@@ -1,6 +1,7 @@
 //! Entities behind the solver's obstacles.
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 /// The obstacles in the solver: entities by slot, and slots by entity.
@@ -28,7 +29,7 @@ impl KnownObstacles {
     }
 
     /// Numbers and entities of all obstacles, by slot.
-    pub fn orders_and_entities(&self) -> impl Iterator<Item = (u64, Entity)> + '_ {
+    pub fn orders_and_entities(&self) -> impl Iterator<Item = (u64, Entity)> + Clone + '_ {
         self.orders.iter().copied().zip(self.entities.iter().copied())
     }
 
@@ -54,6 +55,11 @@ impl KnownObstacles {
         self.disabled.get(&entity).copied()
     }
 
+    /// The number that was given out last.
+    pub fn last_order(&self) -> u64 {
+        self.last_order
+    }
+
     /// Continues with the number after `last`.
     pub fn go_on_from(&mut self, last: u64) {
         self.last_order = last;
@@ -65,15 +71,21 @@ impl KnownObstacles {
         self.disabled.extend(disabled.into_iter().map(|(order, obstacle)| (obstacle, order)));
     }
 
-    /// Puts an obstacle with its number and scale in the place of another.
-    pub fn put(&mut self, slot: usize, order: u64, entity: Entity, scale: Vec3) {
-        let last = self.entities[slot];
-        if self.slots.get(&last) == Some(&slot) {
-            self.slots.remove(&last);
+    /// Puts the obstacles into the order of these numbers, and all others behind them. Returns the slots that they had; none if
+    /// that is the order that they have already.
+    pub fn order_by(&mut self, numbers: &[u64]) -> Option<Vec<usize>> {
+        if self.orders.starts_with(numbers) {
+            return None;
         }
-        self.last_order = self.last_order.max(order);
-        self.slots.insert(entity, slot);
-        (self.entities[slot], self.scales[slot], self.orders[slot]) = (entity, scale, order);
+        let rank: HashMap<u64, usize> =
+            numbers.iter().enumerate().map(|(rank, &order)| (order, rank)).collect();
+        let mut slots: Vec<usize> = (0..self.orders.len()).collect();
+        slots.sort_by_key(|&slot| rank.get(&self.orders[slot]).copied().unwrap_or(usize::MAX));
+        self.entities = slots.iter().map(|&slot| self.entities[slot]).collect();
+        self.scales = slots.iter().map(|&slot| self.scales[slot]).collect();
+        self.orders = slots.iter().map(|&slot| self.orders[slot]).collect();
+        self.slots = self.entities.iter().enumerate().map(|(slot, &entity)| (entity, slot)).collect();
+        Some(slots)
     }
 
     /// Adds an obstacle, with the number that it had if it was disabled.

@@ -1,5 +1,6 @@
 //! The state of cloths, ropes and rigs.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
@@ -21,7 +22,7 @@ use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
-use crate::snapshot::world::{Placed, put_component};
+use crate::snapshot::world::{Placed, put_component, put_disabled};
 
 /// The state of one body.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,7 @@ pub(super) struct BodySnapshot {
     attachment: Option<AttachmentSnapshot>,
     motion: MotionSnapshot,
     detail: Option<CurrentDetail>,
+    is_disabled: bool,
 }
 
 impl BodySnapshot {
@@ -94,6 +96,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             attachment: attachments::take(entity),
             motion: motions::take(entity),
             detail: entity.get().copied(),
+            is_disabled: entity.contains::<Disabled>(),
         });
     }
     bodies
@@ -171,6 +174,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         }
         put_component(&mut entity, body.own_layers.as_ref());
         put_component(&mut entity, body.grab.as_ref());
+        put_disabled(&mut entity, body.is_disabled);
         motions::restore(&body.motion, &mut entity);
         attachments::restore(body.attachment.as_ref(), body.order, &mut entity);
     }

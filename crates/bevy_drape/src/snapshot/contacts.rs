@@ -1,11 +1,12 @@
 //! Known touches, so that none is reported twice.
 
-use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use crate::contact::contact_pairs::{ContactPair, ContactPairs};
 use crate::contact::hit::Touching;
-use crate::snapshot::key::{Key, Keys, entity};
+use crate::snapshot::key::{Key, Keys, entities, entity};
+use crate::snapshot::world::members;
 
 /// Pairs that touch, or touched a moment ago.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,9 +17,14 @@ pub(super) struct ContactSnapshot {
     pairs: Vec<(Key, Key, ContactPair)>,
 }
 
-pub(super) fn take(world: &World, keys: &Keys) -> ContactSnapshot {
-    let key_of: EntityHashMap<Key> = keys.iter().map(|&(key, entity)| (entity, key)).collect();
-    let pair = |(a, b): (Entity, Entity)| Some((*key_of.get(&a)?, *key_of.get(&b)?));
+/// Takes the touches of members with anything that has a key.
+pub(super) fn take(world: &mut World, keys: &Keys) -> ContactSnapshot {
+    let key_of: EntityHashMap<Key> = members(world).into_iter().map(|(key, entity)| (entity, key)).collect();
+    let members = entities(keys);
+    let pair = |(a, b): (Entity, Entity)| {
+        let is_of_members = members.contains(&a) || members.contains(&b);
+        if is_of_members { Some((*key_of.get(&a)?, *key_of.get(&b)?)) } else { None }
+    };
     let touches = world.resource::<Touching>().iter();
     let pairs = world.resource::<ContactPairs>().iter();
     ContactSnapshot {
@@ -27,18 +33,19 @@ pub(super) fn take(world: &World, keys: &Keys) -> ContactSnapshot {
     }
 }
 
+/// Restores the touches of members. Those between two others go on, if both are still there.
 pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, keys: &Keys) {
-    let pair = |a, b| Some((entity(keys, a)?, entity(keys, b)?));
-    let is_member: EntityHashSet = keys.iter().map(|&(_, entity)| entity).collect();
-    let is_other = |(a, b): (Entity, Entity)| !is_member.contains(&a) || !is_member.contains(&b);
-    let touches = contacts.touches.iter();
-    let touches = touches.filter_map(|&(a, b, until)| Some((pair(a, b)?, until)));
-    let mut touching = world.resource_mut::<Touching>();
-    let others: Vec<_> = touching.iter().filter(|&(pair, _)| is_other(pair)).collect();
-    touching.replace(others.into_iter().chain(touches).collect());
-    let pairs = contacts.pairs.iter();
-    let pairs = pairs.filter_map(|&(a, b, how)| Some((pair(a, b)?, how)));
-    let mut known = world.resource_mut::<ContactPairs>();
-    let others: Vec<_> = known.iter().filter(|&(pair, _)| is_other(pair)).collect();
-    known.replace(others.into_iter().chain(pairs).collect());
+    let all = members(world);
+    let named = |a, b| Some((entity(&all, a)?, entity(&all, b)?));
+    let members = entities(keys);
+    let is_other = |entity| !members.contains(&entity) && world.get_entity(entity).is_ok();
+    let stays = |(a, b): (Entity, Entity)| is_other(a) && is_other(b);
+    let touches: Vec<_> = (world.resource::<Touching>().iter().filter(|&(pair, _)| stays(pair)))
+        .chain(contacts.touches.iter().filter_map(|&(a, b, until)| Some((named(a, b)?, until))))
+        .collect();
+    let pairs: Vec<_> = (world.resource::<ContactPairs>().iter().filter(|&(pair, _)| stays(pair)))
+        .chain(contacts.pairs.iter().filter_map(|&(a, b, how)| Some((named(a, b)?, how))))
+        .collect();
+    world.resource_mut::<Touching>().replace(touches);
+    world.resource_mut::<ContactPairs>().replace(pairs);
 }

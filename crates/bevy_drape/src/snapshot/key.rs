@@ -1,5 +1,6 @@
 //! Keys that name bodies, balls and obstacles in every run.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use drape_solver::BuildError;
 use thiserror::Error;
@@ -20,9 +21,12 @@ pub enum Key {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// The world has no plugin, or has not taken a step yet.
-    #[error("the world has taken no step yet: a snapshot is restored after the first step of its scene")]
+    /// The world has no plugin, or has not taken a step yet, or had not when the snapshot was taken.
+    #[error("a snapshot is taken and restored after the first step of its scene")]
     NotStepped,
+    /// The snapshot is of a part of a world, and was to be restored as a whole one.
+    #[error("the snapshot is of a part of the world: restore it with the filter that it was taken with")]
+    PartOfWorld,
     /// A body or obstacle of the snapshot is not in the world.
     #[error("{0:?} is not in the world: it is not the scene that the snapshot was taken of")]
     Missing(Key),
@@ -61,6 +65,11 @@ pub(super) type Keys = [(Key, Entity)];
 /// Returns the entity of a key.
 pub(super) fn entity(keys: &Keys, key: Key) -> Option<Entity> {
     keys.binary_search_by_key(&key, |&(key, _)| key).ok().map(|place| keys[place].1)
+}
+
+/// Returns all entities.
+pub(super) fn entities(keys: &Keys) -> EntityHashSet {
+    keys.iter().map(|&(_, entity)| entity).collect()
 }
 
 /// Fails with the first key that is not greater than the one before it.

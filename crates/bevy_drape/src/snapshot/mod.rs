@@ -22,8 +22,10 @@
 //! touches, so that none is reported twice. It does not hold the scene: descriptions of bodies, meshes, your own
 //! components, whatever moves the obstacles, and messages that no step has read yet. Restore it into the same world, or
 //! into another one in which the same scene was spawned and has taken a step. Entities are found by their
-//! [order of creation](Key). Entities that are not in the snapshot are despawned. Missing balls are spawned without
-//! your own components: add them when they appear, as you do when a cannon fires.
+//! [order of creation](Key). Entities that are not in the snapshot are despawned, also those that had not taken a step
+//! yet. Missing balls are spawned without your own components: add them when they appear, as you do when a cannon
+//! fires. A missing body or obstacle is an error: disable what may have to come back, as a snapshot holds also what is
+//! [disabled](bevy::ecs::entity_disabling::Disabled).
 //!
 //! A game that rolls back takes [a part](Snapshot::take_of) of the world back and leaves the rest.
 //!

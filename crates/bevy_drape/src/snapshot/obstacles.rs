@@ -1,6 +1,5 @@
-//! The state of obstacles.
+//! The state of obstacles, and their order in the solver's list.
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Placement};
@@ -11,17 +10,21 @@ use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
 use crate::environment::obstacle::{CombineRule, Obstacle, built};
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::environment::solver_environment::SolverEnvironment;
-use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
-use crate::snapshot::world::{Placed, put_component};
+use crate::snapshot::key::{Key, Keys, SnapshotError, entities, entity, out_of_order};
+use crate::snapshot::world::{Placed, put_component, put_disabled};
 
-/// The state of all obstacles.
+/// The state of the chosen obstacles.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ObstacleSnapshots {
-    /// Those in the solver, in the order of its list, by which contacts are sorted.
+    /// Those in the solver.
     known: Vec<ObstacleSnapshot>,
     /// Numbers of those that were disabled in the last step.
     disabled: Vec<(u64, ObstacleComponents)>,
+    /// Numbers of all obstacles in the solver, chosen or not, in the order of its list: contacts come in that order.
+    list: Vec<u64>,
+    /// The number that was given out last.
+    last_order: u64,
 }
 
 impl ObstacleSnapshots {
@@ -120,11 +123,7 @@ impl ObstacleComponents {
         put_component(entity, self.own_layers.as_ref());
         put_component(entity, self.dynamic.as_ref());
         put_component(entity, self.reaction.as_ref());
-        match (entity.contains::<Disabled>(), self.is_disabled) {
-            (false, true) => _ = entity.insert(Disabled),
-            (true, false) => _ = entity.remove::<Disabled>(),
-            _ => {}
-        }
+        put_disabled(entity, self.is_disabled);
     }
 
     /// Returns an obstacle with the surface of the snapshot.
@@ -151,7 +150,9 @@ pub(super) fn take(world: &World, keys: &Keys) -> ObstacleSnapshots {
     let disabled = solver.obstacles.disabled().into_iter();
     let disabled = disabled.filter(|&(order, obstacle)| is_member(order, obstacle));
     let disabled = disabled.filter_map(|(order, entity)| Some((order, components(entity)?))).collect();
-    let known = solver.obstacles.orders_and_entities().enumerate();
+    let all = solver.obstacles.orders_and_entities();
+    let list = all.clone().map(|(order, _)| order).collect();
+    let known = all.enumerate();
     let known = known.filter(|&(_, (order, obstacle))| is_member(order, obstacle));
     let known = known.filter_map(|(slot, (order, entity))| {
         let built = &solver.environment.obstacles[slot];
@@ -160,7 +161,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> ObstacleSnapshots {
         let scale = solver.obstacles.scale(slot).to_array();
         Some(ObstacleSnapshot { order, scale, now, before, components: components(entity)? })
     });
-    ObstacleSnapshots { known: known.collect(), disabled }
+    ObstacleSnapshots { known: known.collect(), disabled, list, last_order: solver.obstacles.last_order() }
 }
 
 pub(super) fn check(obstacles: &ObstacleSnapshots, world: &World, keys: &Keys) -> Result<(), SnapshotError> {
@@ -184,7 +185,6 @@ pub(super) fn restore(
     keys: &Keys,
 ) -> Result<(), SnapshotError> {
     let wanted = obstacles.keys();
-    let slots = slots(world, keys);
     for &(key, obstacle) in keys {
         if matches!(key, Key::Obstacle(_)) && wanted.binary_search(&key).is_err() {
             world.despawn(obstacle);
@@ -217,34 +217,42 @@ pub(super) fn restore(
         }
         disabled.push((*order, entity.id()));
     }
+    let members = entities(keys);
+    world.resource_mut::<ObstacleChanges>().restore(&members, moving, changed);
+    let came_since = came_since(obstacles, world);
     let mut solver = world.resource_mut::<SolverEnvironment>();
     let SolverEnvironment { environment, obstacles: in_solver, .. } = &mut *solver;
-    let members = keys.iter().filter(|(key, _)| matches!(key, Key::Obstacle(_)));
-    let members: EntityHashSet = members.map(|&(_, obstacle)| obstacle).collect();
+    let built = &mut environment.obstacles;
+    for &obstacle in came_since.iter().chain(disabled.iter().map(|(_, obstacle)| obstacle)) {
+        if let Some(slot) = in_solver.slot(obstacle) {
+            built.swap_remove(slot);
+            in_solver.swap_remove(slot);
+        }
+    }
     in_solver.replace_disabled(&members, disabled);
-    let last = known.len();
-    for (place, (order, entity, scale, built)) in known.into_iter().enumerate() {
-        if let Some(&slot) = slots.get(place) {
-            environment.obstacles[slot] = built;
-            in_solver.put(slot, order, entity, scale);
+    for (order, entity, scale, obstacle) in known {
+        if let Some(slot) = in_solver.slot(entity) {
+            built[slot] = obstacle;
+            in_solver.set_scale(slot, scale);
         } else {
-            environment.obstacles.push(built);
+            built.push(obstacle);
             in_solver.push_with(order, entity, scale);
         }
     }
-    for &slot in slots.iter().skip(last).rev() {
-        environment.obstacles.swap_remove(slot);
-        in_solver.swap_remove(slot);
+    if let Some(order) = in_solver.order_by(&obstacles.list) {
+        *built = order.iter().map(|&slot| built[slot].clone()).collect();
     }
-    world.resource_mut::<ObstacleChanges>().restore(&members, moving, changed);
+    let used = in_solver.orders_and_entities().chain(in_solver.disabled()).map(|(order, _)| order);
+    let last = used.fold(obstacles.last_order, u64::max);
+    in_solver.go_on_from(last);
     Ok(())
 }
 
-/// Slots in the solver's list that the members have, or obstacles that are gone, in ascending order.
-fn slots(world: &World, keys: &Keys) -> Vec<usize> {
-    let obstacles = world.resource::<SolverEnvironment>().obstacles.orders_and_entities();
-    let slots = obstacles.enumerate().filter(|&(_, (order, obstacle))| {
-        entity(keys, Key::Obstacle(order)) == Some(obstacle) || world.get::<Obstacle>(obstacle).is_none()
-    });
-    slots.map(|(slot, _)| slot).collect()
+/// Obstacles in the solver that came since, and are gone. One that was there before is removed by the next step, which wakes what
+/// rests on it.
+fn came_since(obstacles: &ObstacleSnapshots, world: &World) -> Vec<Entity> {
+    let all = world.resource::<SolverEnvironment>().obstacles.orders_and_entities();
+    let is_gone = |obstacle| world.get::<Obstacle>(obstacle).is_none();
+    let came_since = all.filter(|&(order, obstacle)| order > obstacles.last_order && is_gone(obstacle));
+    came_since.map(|(_, obstacle)| obstacle).collect()
 }

@@ -1,6 +1,7 @@
 //! The state of balls.
 
 use bevy::ecs::change_detection::{MAX_CHANGE_AGE, Tick};
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::{Ball, BallSnapshot};
 
@@ -9,7 +10,7 @@ use crate::body::activity::Activity;
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
-use crate::snapshot::world::{Placed, PlainTransform, put_component};
+use crate::snapshot::world::{Placed, PlainTransform, members, put_component, put_disabled};
 use crate::transform::interpolation::Interpolated;
 
 /// The state of one ball.
@@ -27,6 +28,7 @@ pub(super) struct ProjectileSnapshot {
     own_layers: Option<DrapeLayers>,
     tells_contacts: bool,
     is_interpolated: bool,
+    is_disabled: bool,
 }
 
 impl ProjectileSnapshot {
@@ -61,6 +63,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<ProjectileSnapshot> {
             own_layers: entity.get().copied(),
             tells_contacts: entity.contains::<ContactEvents>(),
             is_interpolated: entity.contains::<Interpolated>(),
+            is_disabled: entity.contains::<Disabled>(),
         });
     }
     balls
@@ -83,9 +86,11 @@ pub(super) fn restore(
             world.despawn(ball);
         }
     }
+    // A missing ball was spawned here without the component of the filter, if an earlier restoration brought it back.
+    let all = members(world);
     let old = Tick::new(world.change_tick().get().wrapping_sub(MAX_CHANGE_AGE));
     for snapshot in balls {
-        let mut entity = match entity(keys, snapshot.key()) {
+        let mut entity = match entity(&all, snapshot.key()) {
             Some(entity) => world.entity_mut(entity),
             None => world.spawn((snapshot.projectile, snapshot.placed.transform(), snapshot.placed.global())),
         };
@@ -106,6 +111,7 @@ pub(super) fn restore(
         if snapshot.is_interpolated && !entity.contains::<Interpolated>() {
             entity.insert(Interpolated);
         }
+        put_disabled(&mut entity, snapshot.is_disabled);
         snapshot.placed.restore(&mut entity);
         // A marked change would launch the ball again, which is built already.
         if let Some(mut projectile) = entity.get_mut::<Projectile>() {

@@ -1,11 +1,10 @@
 //! The particle entities of hand-built rigs. Their bodies hold positions and velocities; their own records and
 //! transforms are here.
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use crate::rig::components::{InRig, Particle, ParticleRecord};
-use crate::snapshot::key::{Key, Keys, SnapshotError};
+use crate::snapshot::key::{Keys, SnapshotError, entities};
 use crate::snapshot::world::Placed;
 
 /// One particle entity.
@@ -21,8 +20,7 @@ pub(super) struct RigParticleSnapshot {
 
 /// Returns the simulated particles of these bodies in the order of insertion.
 fn members(world: &mut World, keys: &Keys) -> Vec<(u64, Entity)> {
-    let bodies = keys.iter().filter(|(key, _)| matches!(key, Key::Body(_)));
-    let bodies: EntityHashSet = bodies.map(|&(_, body)| body).collect();
+    let bodies = entities(keys);
     let mut particles = world.query::<(Entity, &ParticleRecord, &InRig)>();
     let particles = particles.iter(world).filter(|(.., in_rig)| bodies.contains(&in_rig.body));
     let mut members: Vec<(u64, Entity)> =

@@ -1,4 +1,4 @@
-//! Takes and restores a whole world.
+//! Takes and restores a world, or a part of it.
 
 use bevy::ecs::query::QueryFilter;
 use bevy::prelude::*;
@@ -14,6 +14,8 @@ use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Snapshot {
+    /// False for a part of a world.
+    is_whole: bool,
     world: world::WorldSnapshot,
     bodies: Vec<bodies::BodySnapshot>,
     balls: Vec<projectiles::ProjectileSnapshot>,
@@ -42,17 +44,18 @@ pub fn number_from(world: &mut World, last: u64) {
 impl Snapshot {
     /// Takes a snapshot of everything, between steps.
     pub fn take(world: &mut World) -> Self {
-        Self::take_of::<()>(world)
+        Self { is_whole: true, ..Self::take_of::<()>(world) }
     }
 
     /// Takes a snapshot of the bodies, balls and obstacles that match the filter, between steps.
     ///
     /// With a component of your own, such as `With<RolledBack>`, it saves what a game rolls back and leaves out the rest. A
-    /// hand-built rig matches if one of its particles does. What can touch a part belongs to it, or the part does not continue with
-    /// the same bits: an obstacle that never moves may be left out.
+    /// hand-built rig matches if one of its particles does. Whatever can touch a part belongs to it, or the part does not continue
+    /// with the same bits; only an obstacle that never moves may be left out.
     pub fn take_of<F: QueryFilter>(world: &mut World) -> Self {
         let keys = members_of::<F>(world);
         Self {
+            is_whole: false,
             world: world::take(world),
             bodies: bodies::take(world, &keys),
             balls: projectiles::take(world, &keys),
@@ -65,20 +68,23 @@ impl Snapshot {
     /// Restores the world to the snapshot, between steps. From there it continues with the same bits.
     ///
     /// # Errors
-    /// [`SnapshotError`] if the world does not have the same scene; then nothing is changed.
+    /// [`SnapshotError`] if the world does not have the same scene, or the snapshot is of a part; then nothing is changed.
     pub fn restore(&self, world: &mut World) -> Result<(), SnapshotError> {
-        self.restore_of::<()>(world)
+        if self.is_whole { self.restore_of::<()>(world) } else { Err(SnapshotError::PartOfWorld) }
     }
 
-    /// Restores what matches the filter that the snapshot was [taken with](Self::take_of), between steps. What matches now and is not
-    /// in the snapshot is despawned. All else stays as it is, except the clock, gravity, wind and settings, which everything shares:
-    /// they go back.
+    /// Restores the entities that match the filter that the snapshot was [taken with](Self::take_of), between steps. One that matches
+    /// now and is not in the snapshot is despawned. All others stay as they are. The clock, gravity, wind and settings, which
+    /// everything shares, go back.
+    ///
+    /// A missing ball is spawned without your own components, as by [`restore`](Self::restore): an observer of `Add<Projectile>` gives
+    /// it the component of the filter.
     ///
     /// # Errors
     /// As [`restore`](Self::restore).
     pub fn restore_of<F: QueryFilter>(&self, world: &mut World) -> Result<(), SnapshotError> {
         let keys = members_of::<F>(world);
-        let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts } = self;
+        let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts, .. } = self;
         world::check(shared, world)?;
         bodies::check(bodies, world, &keys)?;
         projectiles::check(balls)?;

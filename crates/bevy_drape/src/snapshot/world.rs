@@ -7,6 +7,7 @@ use bevy::prelude::*;
 
 use crate::ball::projectile::ProjectileRecord;
 use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::on_gpu::OnGpu;
 use crate::body::settings::DefaultSolverSettings;
 use crate::body::surface::DefaultBodySurface;
 use crate::clock::DrapeClock;
@@ -57,7 +58,8 @@ pub(super) fn take(world: &World) -> WorldSnapshot {
 }
 
 pub(super) fn check(snapshot: &WorldSnapshot, world: &World) -> Result<(), SnapshotError> {
-    if world.get_resource::<DrapeClock>().is_none_or(|clock| clock.steps() == 0) {
+    let is_stepped = |clock: &DrapeClock| clock.steps() > 0;
+    if !world.get_resource().is_some_and(is_stepped) || !is_stepped(&snapshot.clock) {
         return Err(SnapshotError::NotStepped);
     }
     if !DrapeGravity(snapshot.seen_gravity.into()).is_usable() {
@@ -88,11 +90,12 @@ pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
 /// Continues the order of creation as it was, after all that is left in the world.
 pub(super) fn go_on_counting(snapshot: &WorldSnapshot, world: &mut World) {
     let mut bodies = world.query_filtered::<&BodyState, Allow<Disabled>>();
+    let mut on_gpu = world.query_filtered::<&OnGpu, Allow<Disabled>>();
     let mut balls = world.query_filtered::<&ProjectileRecord, Allow<Disabled>>();
-    let bodies = bodies.iter(world).map(|state| state.order);
-    let balls = balls.iter(world).map(|record| record.order);
-    let last = bodies.chain(balls).max().unwrap_or_default();
-    world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order.max(last));
+    let bodies = bodies.iter(world).chain(on_gpu.iter(world).map(|body| &body.state));
+    let numbers = bodies.map(|state| state.order).chain(balls.iter(world).map(|record| record.order));
+    let last = numbers.fold(snapshot.creation_order, u64::max);
+    world.resource_mut::<CreationOrder>().go_on_from(last);
 }
 
 /// Sets a resource only if it differs, since a change wakes everything.
@@ -100,7 +103,8 @@ fn put<R: Resource<Mutability = Mutable> + PartialEq>(world: &mut World, value: 
     world.resource_mut::<R>().set_if_neq(value);
 }
 
-/// Returns all bodies, balls and obstacles that have been built, sorted by their keys.
+/// Returns all bodies, balls and obstacles that have been stepped, sorted by their keys; also those that are
+/// [disabled](bevy::ecs::entity_disabling::Disabled).
 pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
     members_of::<()>(world)
 }
@@ -108,8 +112,8 @@ pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
 /// Returns those [members](members) that match a filter.
 pub(super) fn members_of<F: QueryFilter>(world: &mut World) -> Vec<(Key, Entity)> {
     let chosen = world.query_filtered::<(), (F, Allow<Disabled>)>();
-    let mut bodies = world.query::<(Entity, &BodyState, Option<&Rig>)>();
-    let mut balls = world.query::<(Entity, &ProjectileRecord)>();
+    let mut bodies = world.query_filtered::<(Entity, &BodyState, Option<&Rig>), Allow<Disabled>>();
+    let mut balls = world.query_filtered::<(Entity, &ProjectileRecord), Allow<Disabled>>();
     let chosen = chosen.query_manual(world);
     // A body that has not been stepped yet has no number.
     let bodies = bodies.iter(world).filter(|(_, state, _)| state.order > 0);
@@ -132,7 +136,7 @@ pub(super) fn members_of<F: QueryFilter>(world: &mut World) -> Vec<(Key, Entity)
     members
 }
 
-/// Checks everything in the next step, so that the resting bodies are known.
+/// Checks these in the next step, so that the resting bodies are known.
 pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
     world.resource_mut::<Candidates>().look_at(keys.iter().map(|&(_, entity)| entity));
 }
@@ -211,4 +215,13 @@ pub(super) fn put_component<C: Component + PartialEq + Clone>(
         Some(value) => entity.insert(value.clone()),
         None => entity.remove::<C>(),
     };
+}
+
+/// Enables or disables an entity.
+pub(super) fn put_disabled(entity: &mut EntityWorldMut, is_disabled: bool) {
+    match (entity.contains::<Disabled>(), is_disabled) {
+        (false, true) => _ = entity.insert(Disabled),
+        (true, false) => _ = entity.remove::<Disabled>(),
+        _ => {}
+    }
 }

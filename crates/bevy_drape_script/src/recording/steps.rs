@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
 use bevy_drape::body::Sticks;
@@ -93,7 +94,8 @@ impl RecordSteps {
 }
 
 fn record_step(world: &mut World) {
-    let keys = members(world);
+    let mut keys = members(world);
+    keys.retain(|&(_, entity)| !world.entity(entity).contains::<Disabled>());
     world.resource_scope(|world, mut steps: Mut<RecordSteps>| {
         let RecordSteps { recorder, fault } = &mut *steps;
         if fault.is_none() {
