@@ -26,6 +26,7 @@ mod logging;
 mod moving_obstacles;
 mod observers;
 mod operations;
+mod origin;
 mod pins;
 mod pulled_obstacles;
 mod reflection;

@@ -201,9 +201,9 @@ fn contacts_with_what_is_not_chosen_go_back() {
 fn contacts_of_what_is_gone_are_forgotten() {
     let mut app = app();
     count_contacts(&mut app);
-    app.world_mut().spawn(Obstacle::ground());
     step(&mut app, 1);
     let saved = Snapshot::take(app.world_mut());
+    app.world_mut().spawn(Obstacle::ground());
     app.world_mut().spawn(flat_cloth(0.05));
     step(&mut app, 20);
     assert_eq!(contacts(&app), (1, 0));

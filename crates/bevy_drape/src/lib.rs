@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! plugin             the plugin group, and the features in the order of a step
+//! origin             shifts the origin of the world
 //! gpu/               bodies that are solved and drawn on the GPU
 //! snapshot/          saves and restores a running world
 //! tools/             picking, gestures, spatial queries, gizmos, diagnostics
@@ -45,6 +46,7 @@ mod entity_events;
 pub mod environment;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod origin;
 mod pending_messages;
 pub mod plugin;
 pub mod refusal;

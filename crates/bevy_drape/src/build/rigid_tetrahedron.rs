@@ -109,6 +109,11 @@ impl RigidPlace {
     pub fn set(&mut self, transform: Transform) {
         self.0 = Some(transform);
     }
+
+    /// Makes the place `origin` the origin of the coordinates.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.0.iter_mut().for_each(|place| place.translation -= origin);
+    }
 }
 
 type RigidQuery<'w, 's> = Query<

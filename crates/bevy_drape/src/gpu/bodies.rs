@@ -64,6 +64,14 @@ impl GpuBodies {
         self.failure.as_deref()
     }
 
+    /// Makes the place `origin` the origin of the world. A report that is under way is of the old one.
+    pub(crate) fn shift_origin(&mut self, origin: Vec3) {
+        if let Some(world) = &mut self.world {
+            world.shift_origin(origin);
+        }
+        self.report = None;
+    }
+
     /// Forgets all bodies, and gives the GPU up for ever if it failed.
     pub(super) fn close(&mut self, failure: Option<String>) {
         if let Some(reason) = &failure {

@@ -59,6 +59,12 @@ pub(crate) struct RopeSurface {
 }
 
 impl RopeSurface {
+    /// Makes the place `origin` the origin of the world.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.previous.iter_mut().chain(&mut self.current).for_each(|place| *place -= origin);
+        self.shown = None;
+    }
+
     /// Shows the particles as they are now, after they went ways that were not recorded.
     #[cfg(feature = "gpu")]
     pub fn restart(&mut self, particles: &drape_solver::Particles) {

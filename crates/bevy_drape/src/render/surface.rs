@@ -96,6 +96,13 @@ impl Surface {
         }
     }
 
+    /// Makes the place `origin` the origin of the world.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.previous.origin -= origin;
+        self.current.origin -= origin;
+        self.shown = None;
+    }
+
     /// The surface of a body as it is now, for a mesh with its own vertices.
     pub fn of_mesh(
         particles: &drape_solver::Particles,

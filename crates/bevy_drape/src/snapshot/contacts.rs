@@ -33,13 +33,13 @@ pub(super) fn take(world: &mut World, keys: &Keys) -> ContactSnapshot {
     }
 }
 
-/// Restores the touches of members. Those between two others go on, if both are still there.
-pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, keys: &Keys) {
+/// Restores the touches of members. Those between two others go on: neither is a member now, nor `was` one.
+pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, was: &Keys, is: &Keys) {
     let all = members(world);
     let named = |a, b| Some((entity(&all, a)?, entity(&all, b)?));
-    let members = entities(keys);
-    let is_other = |entity| !members.contains(&entity) && world.get_entity(entity).is_ok();
-    let stays = |(a, b): (Entity, Entity)| is_other(a) && is_other(b);
+    let members = [entities(was), entities(is)];
+    let is_member = |entity| members.iter().any(|members| members.contains(&entity));
+    let stays = |(a, b): (Entity, Entity)| !is_member(a) && !is_member(b);
     let touches: Vec<_> = (world.resource::<Touching>().iter().filter(|&(pair, _)| stays(pair)))
         .chain(contacts.touches.iter().filter_map(|&(a, b, until)| Some((named(a, b)?, until))))
         .collect();

@@ -95,10 +95,9 @@ impl Snapshot {
         projectiles::restore(balls, world, &keys)?;
         obstacles::restore(obstacles, world, &keys)?;
         rigs::restore(rig_particles, world, &keys);
-        let keys = members_of::<F>(world);
         world::go_on_counting(shared, world);
-        contacts::restore(contacts, world, &keys);
-        world::have_all_looked_at(world, &keys);
+        let is = members_of::<F>(world);
+        contacts::restore(contacts, world, &keys, &is);
         Ok(())
     }
 

@@ -17,9 +17,8 @@ use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wind::Wind;
 use crate::rig::components::Rig;
-use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
-use crate::snapshot::key::{Key, Keys, SnapshotError};
+use crate::snapshot::key::{Key, SnapshotError};
 use crate::transform::interpolation::InterpolationState;
 
 /// Resources of the simulation.
@@ -134,11 +133,6 @@ pub(super) fn members_of<F: QueryFilter>(world: &mut World) -> Vec<(Key, Entity)
     }
     members.sort_unstable_by_key(|&(key, _)| key);
     members
-}
-
-/// Checks these in the next step, so that the resting bodies are known.
-pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
-    world.resource_mut::<Candidates>().look_at(keys.iter().map(|&(_, entity)| entity));
 }
 
 /// A transform as plain numbers: translation, rotation, scale.

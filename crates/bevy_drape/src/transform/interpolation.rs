@@ -58,6 +58,13 @@ impl InterpolationState {
     pub fn end(&self) -> Option<Transform> {
         self.0.map(|path| path.end)
     }
+
+    /// Makes the place `origin` the origin of the coordinates.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        if let Some(Path { start, end, shown }) = &mut self.0 {
+            [start, end, shown].into_iter().for_each(|place| place.translation -= origin);
+        }
+    }
 }
 
 /// Motion of an entity in the last fixed step.

@@ -40,6 +40,14 @@ pub(crate) struct FramePoses {
     written: Option<Transform>,
 }
 
+impl FramePoses {
+    /// Makes the place `origin` the origin of the coordinates.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        let ends = self.ends.iter_mut().flatten();
+        ends.chain(&mut self.written).for_each(|place| place.translation -= origin);
+    }
+}
+
 /// Speed in m/s above which a motion is a jump, shown at once.
 const JUMP_SPEED: f32 = 100.0;
 

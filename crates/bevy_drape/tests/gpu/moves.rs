@@ -7,6 +7,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_drape::attach::TeleportCloth;
 use bevy_drape::body::Sticks;
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
+use bevy_drape::origin::ShiftOrigin;
 use bevy_drape::render::{DrivenMesh, PaintChannel};
 
 use crate::*;
@@ -319,4 +320,26 @@ fn a_cloth_that_gains_limits_is_built_anew_on_the_processor() {
     run(&mut app, 60);
     let way = start.iter().zip(positions(&app, cloth)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
     assert!(way < 0.25, "limits hold it: {way} m");
+}
+
+/// In other coordinates a body on the GPU goes on as it would have.
+#[test]
+fn a_shift_of_the_origin_changes_coordinates_only() {
+    let (mut straight, mut shifted) = (app(), app());
+    let [one, other] = [&mut straight, &mut shifted].map(|app| {
+        app.world_mut().spawn(Obstacle::ground());
+        let sheet = spawn(app, (swinging(), Transform::from_xyz(0.0, 1.2, 0.0)));
+        run(app, 10);
+        sheet
+    });
+    let origin = Vec3::new(64.0, -32.0, 128.0);
+    ShiftOrigin(origin).apply(shifted.world_mut());
+    for _ in 0..3 {
+        let places = positions(&straight, one).into_iter().zip(positions(&shifted, other));
+        let off = places.map(|(a, b)| a.distance(b + origin)).fold(0.0, f32::max);
+        assert!(off < 1e-3, "{off} m apart");
+        run(&mut straight, 10);
+        run(&mut shifted, 10);
+    }
+    assert!(is_on_gpu(&shifted, other));
 }

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
+use bevy_drape::origin::ShiftOrigin;
 use bevy_drape::prelude::*;
 
 use crate::*;
@@ -136,4 +137,30 @@ fn a_still_entity_is_not_marked_as_changed() {
         frame(&mut app, 0.7);
     }
     assert_eq!(app.world().resource::<Changes>().0, 1, "only when it was spawned");
+}
+
+/// Meshes show what they would have shown, also in the frame of the shift and between the steps before and after it.
+#[test]
+fn meshes_do_not_jump_when_the_origin_is_shifted() {
+    let world = || {
+        let mut app = app();
+        let tube = (Rope::new(Vec3::Y, Vec3::new(1.0, 1.0, 0.0), 17), RopeMesh::default(), Mesh3d::default());
+        let hung =
+            [app.world_mut().spawn((swinging(), Mesh3d::default())).id(), app.world_mut().spawn(tube).id()];
+        start(&mut app);
+        (0..40).for_each(|_| frame(&mut app, 0.4));
+        (app, hung)
+    };
+    let ((mut straight, hung), (mut shifted, _)) = (world(), world());
+    for i in 0..20 {
+        if i % 7 == 0 {
+            ShiftOrigin(Vec3::new(64.0, -32.0, 128.0)).apply(shifted.world_mut());
+        }
+        frame(&mut straight, 0.4);
+        frame(&mut shifted, 0.4);
+        for entity in hung {
+            let off = farthest(&vertices(&straight, entity), &vertices(&shifted, entity));
+            assert!(off < 2e-4, "{off} m in frame {i}");
+        }
+    }
 }

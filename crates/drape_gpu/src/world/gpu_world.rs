@@ -254,6 +254,15 @@ impl GpuWorld {
         Ok(())
     }
 
+    /// Makes the place `origin` (metres) the origin of the world from the coming step on: every body is where it was, in other coordinates.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.bodies.values_mut().for_each(|record| record.origin -= origin);
+        self.targets.values_mut().for_each(|target| *target -= origin);
+        self.arriving.iter_mut().for_each(|(_, particles)| particles.shift_origin(origin));
+        self.places = self.list_places();
+        self.is_stale = true;
+    }
+
     /// True if steps move nothing, because there are no bodies, or all of them rest.
     pub fn is_resting(&self) -> bool {
         self.bodies.values().all(|record| record.is_resting)

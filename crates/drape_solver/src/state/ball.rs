@@ -187,6 +187,12 @@ impl Ball {
         self.disturbed = true;
     }
 
+    /// Makes the place `origin` (metres) the origin of the world: the ball is where it was, and rests as before, in other
+    /// coordinates.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.position -= origin;
+    }
+
     /// Sets the velocity in m/s.
     pub fn set_velocity(&mut self, velocity: Vec3) {
         self.displacement = velocity * self.substep;

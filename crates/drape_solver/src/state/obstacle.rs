@@ -372,6 +372,17 @@ impl Obstacle {
         }
     }
 
+    /// Takes its places to other coordinates, by a function of a place: it is where it was, and moves on as before.
+    pub(super) fn change_coordinates(&mut self, changed: impl Fn(Vec3) -> Vec3) {
+        let free = self.flight.as_mut().map(|flight| &mut flight.free.1);
+        for place in [&mut self.before, &mut self.placement].into_iter().chain(free) {
+            place.translation = changed(place.translation);
+        }
+        if !self.is_out_of_reach() {
+            self.swept_bounds = self.bounds_on_its_way();
+        }
+    }
+
     fn set_way(&mut self, from: Placement, to: Placement) {
         (self.before, self.placement) = (from, to);
         self.swept_bounds = self.bounds_on_its_way();

@@ -92,6 +92,16 @@ impl Obstacles {
         removed
     }
 
+    /// Takes all places to other coordinates, by a function of an index and a place of that obstacle: each is where it was, and moves on as
+    /// before.
+    pub fn change_coordinates(&mut self, changed: impl Fn(usize, Vec3) -> Vec3) {
+        let all = core::mem::take(&mut self.all).into_iter().enumerate().map(|(index, mut obstacle)| {
+            obstacle.change_coordinates(|place| changed(index, place));
+            obstacle
+        });
+        *self = all.collect();
+    }
+
     /// Removes all obstacles.
     pub fn clear(&mut self) {
         *self = Self::default();

@@ -306,6 +306,18 @@ impl Particles {
         self.disturb();
     }
 
+    /// Makes the place `origin` (metres) the origin of the world: everything is where it was, and rests as before, in other
+    /// coordinates. A body that goes far from its old place loses digits of where it is, but none of its shape.
+    pub fn shift_origin(&mut self, origin: Vec3) {
+        self.origin -= origin;
+        for (_, target) in &mut self.pin_targets {
+            *target -= origin;
+        }
+        if let Some(frame) = &mut self.frame {
+            frame.pivot -= origin;
+        }
+    }
+
     /// True if a force, an impulse, a pin or an edit has touched the body since its last step, which wakes a sleeping
     /// body.
     pub fn is_disturbed(&self) -> bool {
