@@ -15,7 +15,7 @@ mod walk;
 
 use std::time::Duration;
 
-use bevy::mesh::MeshPlugin;
+use bevy::mesh::{MeshPlugin, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
@@ -47,4 +47,20 @@ fn particles(app: &App, body: Entity) -> &Particles {
 
 fn global(app: &App, entity: Entity) -> GlobalTransform {
     *app.world().get::<GlobalTransform>(entity).expect("placed")
+}
+
+/// The mesh that is drawn.
+fn shown(app: &App, cape: Entity) -> &Mesh {
+    let mesh = app.world().get::<Mesh3d>(cape).expect("a mesh");
+    app.world().resource::<Assets<Mesh>>().get(mesh).expect("the mesh is there")
+}
+
+/// Vertices in the entity's own coordinates.
+fn vertices(app: &App, cape: Entity) -> Vec<Vec3> {
+    match shown(app, cape).attribute(Mesh::ATTRIBUTE_POSITION) {
+        Some(VertexAttributeValues::Float32x3(places)) => {
+            places.iter().copied().map(Vec3::from_array).collect()
+        }
+        _ => panic!("no positions"),
+    }
 }

@@ -79,7 +79,7 @@ fn world(height: f32) -> App {
     let flat = Transform::from_xyz(6.0, 1.0, 5.0);
     let lock = PlaneLock { normal: Vec3::new(0.0, 0.0, 2.0), distance: 5.0 };
     let held = world.spawn((Watched, curtain(), lock, flat)).id();
-    let hook = world.spawn((Particle::pinned(), Transform::from_xyz(9.0, 2.0, 0.0))).id();
+    let hook = world.spawn((ChildOf(rail), Particle::pinned(), Transform::from_xyz(9.0, 0.5, 0.0))).id();
     let bob = world.spawn((Watched, Particle::new(0.5), Transform::from_xyz(9.7, 2.0, 0.0))).id();
     world.spawn(Stick::new(hook, bob));
     let breeze = WindZone { flow: WindFlow::Along(Vec3::Z), ..default() };
@@ -156,10 +156,10 @@ fn interpolation_goes_on() {
         frame_time(app, 1.0 / 144.0);
         (0..20).for_each(|_| app.update());
     }
-    shift(&mut shifted, Vec3::new(64.0, -32.0, 128.0));
     for _ in 0..10 {
+        shift(&mut shifted, Vec3::new(64.0, -32.0, 128.0));
         let off = apart(&mut straight, &mut shifted);
-        assert!(off < 1e-3, "{off} m apart");
+        assert!(off < 2e-3, "{off} m apart");
         straight.update();
         shifted.update();
     }
@@ -200,6 +200,23 @@ fn rest_goes_on() {
     assert!(off < 0.05, "{off} m away");
 }
 
+/// Whatever lay on a body wakes, though the origin is shifted between the body's end and the next step.
+#[test]
+fn what_lay_on_a_body_falls() {
+    let mut app = app();
+    let hammock = Cloth { pins: ClothPins::Corners, ..curtain() };
+    let flat = Transform::from_rotation(Quat::from_rotation_x(-1.5));
+    let hammock = app.world_mut().spawn((hammock, flat)).id();
+    let ball = Projectile { radius: 0.1, mass: 0.5, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
+    settle(&mut app, ball);
+    app.world_mut().despawn(hammock);
+    ShiftOrigin(Vec3::X * 64.0).apply(app.world_mut());
+    let start = ball_position(&app, ball).y;
+    run(&mut app, 0.5);
+    assert!(ball_position(&app, ball).y < start - 0.5);
+}
+
 /// A scene that is 100 km away and has the origin shifted to it is as one at 0, to the last bit.
 #[test]
 fn a_scene_100_km_away_is_as_one_at_0() {
@@ -237,6 +254,7 @@ fn disabled_obstacles_are_shifted_too() {
     app.world_mut().entity_mut(plate).insert(Disabled);
     step(&mut app, 1);
     ShiftOrigin(Vec3::X * 500.0).apply(app.world_mut());
+    step(&mut app, 1);
     app.world_mut().entity_mut(plate).remove::<Disabled>();
     run(&mut app, 2.0);
     let Vec3 { x, y, .. } = ball_position(&app, ball);

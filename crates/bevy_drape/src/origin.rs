@@ -156,11 +156,6 @@ impl Shift {
     fn body(&self, entity: Entity, state: &mut BodyState) {
         state.anchor = self.pose_of(entity, state.anchor, Affine3A::IDENTITY);
         state.extent.bounds = self.bounds(state.extent.bounds);
-        // The solver remembers places from step to step. It can do without.
-        let still_for = state.context.still_for();
-        state.context = default();
-        state.scratch = default();
-        state.context.set_still_for(still_for);
     }
 
     fn bodies(&self, world: &mut World) {

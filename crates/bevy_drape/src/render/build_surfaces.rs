@@ -84,7 +84,8 @@ pub(crate) fn build_surfaces<D: Shown>(
         // Written here, read by the renderer.
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         let mut surface = Surface::new(particles, topology, cloth.layout());
-        let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0));
+        let bounds =
+            EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0, &default()));
         let handle = put_asset(&mut meshes, handle, asset);
         surface.mesh = handle.id();
         let mut entity = commands.entity(entity);

@@ -19,6 +19,7 @@
 
 pub(crate) mod any_mesh;
 pub(crate) mod build_surfaces;
+pub(crate) mod carriers;
 pub(crate) mod detail_mesh;
 pub(crate) mod from_mesh;
 pub(crate) mod normals;

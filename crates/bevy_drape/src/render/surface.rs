@@ -13,6 +13,7 @@ use crate::build::cloth::Cloth;
 use crate::build::soft_ball::SoftBall;
 use crate::detail::level::CurrentDetail;
 use crate::detail::resampling::resample;
+use crate::render::carriers::Carried;
 use crate::render::normals::write_smooth_normals;
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
@@ -186,9 +187,15 @@ impl Surface {
         self.shown != Some((self.fraction(fraction), space.to_world))
     }
 
-    /// Writes positions and normals into `mesh` and returns bounds that hold for every fraction of the last step; none
-    /// if the mesh lacks the right attributes.
-    pub fn write(&mut self, mesh: &mut Mesh, space: &EntitySpace, fraction: f32) -> Option<Aabb> {
+    /// Writes positions and normals into `mesh`, where obstacles have carried them, and returns bounds that hold for every fraction of the
+    /// last step; none if the mesh lacks the right attributes.
+    pub fn write(
+        &mut self,
+        mesh: &mut Mesh,
+        space: &EntitySpace,
+        fraction: f32,
+        carried: &Carried,
+    ) -> Option<Aabb> {
         let (positions, normals) = position_and_normal(mesh)?;
         let count = self.vertices.count(self.current.positions.len());
         if positions.len() != count || normals.len() != count {
@@ -201,9 +208,9 @@ impl Surface {
         let ends = previous.positions.iter().zip(&current.positions);
         let between = |(&a, &b): (&Vec3, &Vec3)| {
             let (a, b) = (from + a, to + b);
-            space.direction(a + (b - a) * fraction).to_array()
+            space.direction(carried.place(a + (b - a) * fraction)).to_array()
         };
-        let after = |b: &Vec3| space.direction(to + *b).to_array();
+        let after = |b: &Vec3| space.direction(carried.place(to + *b)).to_array();
         self.shown = Some((fraction, space.to_world));
         match &self.vertices {
             Vertices::Particles => {
@@ -227,7 +234,7 @@ impl Surface {
                 self.between.clear();
                 self.between.extend(ends.map(|(&a, &b)| {
                     let (a, b) = (from + a, to + b);
-                    if fraction < 1.0 { a + (b - a) * fraction } else { b }
+                    carried.place(if fraction < 1.0 { a + (b - a) * fraction } else { b })
                 }));
                 let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
                 vertices.embedding.write_normals(&self.topology, |i| self.between[i], &mut self.normals);
@@ -246,10 +253,18 @@ impl Surface {
         if fraction < 1.0 {
             (low, high) = (low.min(from + previous.low), high.max(from + previous.high));
         }
-        Some(space.bounds(low, high))
+        Some(space.bounds(low - carried.farthest, high + carried.farthest))
     }
 
-    fn fraction(&self, fraction: f32) -> f32 {
+    /// The corners of a box around the last two states, in the world.
+    pub fn corners(&self) -> [Vec3; 2] {
+        let [a, b] = [&self.previous, &self.current]
+            .map(|state| [state.origin + state.low, state.origin + state.high]);
+        [a[0].min(b[0]), a[1].max(b[1])]
+    }
+
+    /// The fraction of the last step that is shown, if that of the others is `fraction`.
+    pub fn fraction(&self, fraction: f32) -> f32 {
         if self.is_settled { 1.0 } else { fraction }
     }
 }
@@ -257,7 +272,7 @@ impl Surface {
 /// The transform from the world into an entity's coordinates.
 pub(crate) struct EntitySpace {
     to_world: Affine3A,
-    translation: Vec3,
+    pub translation: Vec3,
     /// Inverse of rotation and scale; none for the identity, so that numbers are copied exactly.
     to_local: Option<Mat3A>,
     /// -1 for a mirroring transform, which reverses faces, else 1.

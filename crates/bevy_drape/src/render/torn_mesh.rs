@@ -33,7 +33,8 @@ pub(crate) fn tear_meshes(
         let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, faces));
         let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map));
         let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
-        let bounds = EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0));
+        let bounds =
+            EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0, &default()));
         let handle = (*source == entity).then(|| handle.clone());
         made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
     }

@@ -147,7 +147,8 @@ pub(crate) fn show_copy(
     mut surface: Surface,
     mut copy: Mesh,
 ) {
-    let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
+    let bounds =
+        EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0, &default()));
     let shown = meshes.add(copy);
     surface.mesh = shown.id();
     let state = MeshSource { source, shown: Some(shown.id()) };
