@@ -200,23 +200,6 @@ fn rest_goes_on() {
     assert!(off < 0.05, "{off} m away");
 }
 
-/// Whatever lay on a body wakes, though the origin is shifted between the body's end and the next step.
-#[test]
-fn what_lay_on_a_body_falls() {
-    let mut app = app();
-    let hammock = Cloth { pins: ClothPins::Corners, ..curtain() };
-    let flat = Transform::from_rotation(Quat::from_rotation_x(-1.5));
-    let hammock = app.world_mut().spawn((hammock, flat)).id();
-    let ball = Projectile { radius: 0.1, mass: 0.5, ..default() };
-    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
-    settle(&mut app, ball);
-    app.world_mut().despawn(hammock);
-    ShiftOrigin(Vec3::X * 64.0).apply(app.world_mut());
-    let start = ball_position(&app, ball).y;
-    run(&mut app, 0.5);
-    assert!(ball_position(&app, ball).y < start - 0.5);
-}
-
 /// A scene that is 100 km away and has the origin shifted to it is as one at 0, to the last bit.
 #[test]
 fn a_scene_100_km_away_is_as_one_at_0() {

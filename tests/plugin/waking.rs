@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
 use bevy_drape::body::{Activity, DefaultSolverSettings, Pressure};
 use bevy_drape::clock::DrapeClock;
+use bevy_drape::origin::ShiftOrigin;
 use bevy_drape::prelude::*;
 
 use crate::common::*;
@@ -395,6 +396,11 @@ fn what_lay_on_something_that_is_gone_wakes() {
 
     let (mut app, hammock, ball) = ball_in_a_hammock();
     app.world_mut().entity_mut(hammock).remove::<Cloth>();
+    assert_falls(&mut app, ball);
+
+    let (mut app, hammock, ball) = ball_in_a_hammock();
+    app.world_mut().despawn(hammock);
+    ShiftOrigin(64.0 * Vec3::X).apply(app.world_mut());
     assert_falls(&mut app, ball);
 }
 

@@ -34,7 +34,7 @@ mod moves;
 mod pins;
 mod plugin;
 mod renderer;
-mod report;
+pub(crate) mod report;
 mod rest;
 mod shown;
 mod step;
