@@ -15,7 +15,7 @@ use showcase::FEATURES;
 /// Faster than the hem of a cloth that a ball of 10 m/s drags through the air like a whip, in m/s.
 const TOO_FAST: f32 = 100.0;
 
-/// The least time that an example is run, in seconds: long enough for what falls to land, whatever its picture shows.
+/// Least simulated time in seconds, so that falling things land even if the picture is taken earlier.
 const LEAST_TIME: f32 = 2.2;
 
 /// Examples that are no features of their own, or need a GPU: they have other tests.

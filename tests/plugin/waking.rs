@@ -1,5 +1,6 @@
 //! Events that wake a body at rest, and events that do not.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
 use bevy_drape::body::{Activity, DefaultSolverSettings, Pressure};
@@ -401,6 +402,40 @@ fn what_lay_on_something_that_is_gone_wakes() {
     let (mut app, hammock, ball) = ball_in_a_hammock();
     app.world_mut().despawn(hammock);
     ShiftOrigin(64.0 * Vec3::X).apply(app.world_mut());
+    assert_falls(&mut app, ball);
+}
+
+/// Sleepers are found where they are in the new coordinates: a ball flew through a curtain that slept.
+#[test]
+fn what_sleeps_wakes_after_a_shift_of_the_origin() {
+    let (mut app, hammock, ball) = ball_in_a_hammock();
+    step(&mut app, 5);
+    ShiftOrigin(64.0 * Vec3::X).apply(app.world_mut());
+    step(&mut app, 5);
+    assert_eq!(counts(&app), (0, 2, 0));
+    app.world_mut().despawn(hammock);
+    assert_falls(&mut app, ball);
+}
+
+/// A sleeper that was disabled while its support came and went is found again.
+#[test]
+fn what_sleeps_wakes_after_it_was_disabled() {
+    let mut app = app();
+    let table = (Obstacle::cuboid(1.0, 0.1, 1.0), Transform::default());
+    let first = app.world_mut().spawn(table.clone()).id();
+    let ball = Projectile { radius: 0.1, mass: 1.0, restitution: 0.0, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.16, 0.0))).id();
+    settle(&mut app, ball);
+    step(&mut app, 5);
+    app.world_mut().entity_mut(ball).insert(Disabled);
+    app.world_mut().despawn(first);
+    step(&mut app, 5);
+    let second = app.world_mut().spawn(table).id();
+    step(&mut app, 5);
+    app.world_mut().entity_mut(ball).remove::<Disabled>();
+    step(&mut app, 5);
+    assert_eq!(activity(&app, ball), Activity::Resting);
+    app.world_mut().despawn(second);
     assert_falls(&mut app, ball);
 }
 

@@ -1,4 +1,4 @@
-//! Large worlds: the origin of the world follows the player.
+//! Large worlds: a floating origin, which follows the player.
 //!
 //! Single precision knows a place 100 km away to a centimetre. So a game that is larger than some kilometres moves its origin along:
 //!
@@ -9,9 +9,9 @@
 //!
 //! /// Shifts the origin to the player by whole kilometres.
 //! fn follow(player: Single<&Transform, With<Camera3d>>, mut commands: Commands) {
-//!     let way = (player.translation / 1000.0).round() * 1000.0;
-//!     if way != Vec3::ZERO {
-//!         commands.queue(ShiftOrigin(way));
+//!     let offset = (player.translation / 1000.0).round() * 1000.0;
+//!     if offset != Vec3::ZERO {
+//!         commands.queue(ShiftOrigin(offset));
 //!     }
 //! }
 //! # let mut app = App::new();
@@ -21,7 +21,7 @@
 //! # assert_eq!(app.world().get::<Transform>(player).unwrap().translation, Vec3::new(200.0, 2.0, 0.0));
 //! ```
 //!
-//! Imports the states of all floors below that have places in the world.
+//! Imports all states of the floors below that hold positions in the world.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
@@ -38,10 +38,11 @@ use crate::attach::plane_lock::PlaneLock;
 use crate::attach::world_motion::{WorldMotion, WorldMotionState};
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::body_state::BodyState;
-#[cfg(feature = "gpu")]
-use crate::body::on_gpu::OnGpu;
 use crate::body::particles::Particles;
+#[cfg(feature = "gpu")]
+use crate::body::{activity::Activity, on_gpu::OnGpu};
 use crate::build::rigid_tetrahedron::RigidPlace;
+use crate::environment::dynamic_obstacle::PlannedPlacement;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wind_zone::WindZone;
 #[cfg(feature = "gpu")]
@@ -58,10 +59,12 @@ use crate::transform::moved_by_frame::FramePoses;
 /// All roots with a [`Transform`] move by the negative of it, also those that have nothing to do with cloth, and with them every place that
 /// the plugin keeps. Nothing else changes: whatever rests goes on resting, and motion and interpolation go on.
 ///
-/// Whole metres lose the least. Places far from the new origin lose digits, those near it have them all: a body keeps its shape to the last
-/// bit either way, as its particles lie relative to a point of its own. Gusts are those of the new coordinates.
-/// [`SceneManager`](crate::sleep::SceneManager)'s play area stays around the origin. Bodies of another physics engine, and messages that no
-/// step has read yet, are yours to move.
+/// Shift by whole metres, which are exact near the origin. Places far from the new origin lose digits, those near it have them all: a body
+/// keeps its shape to the last bit either way, as its particles lie relative to a point of its own. Gusts are those of the new coordinates.
+/// [`SceneManager`](crate::sleep::SceneManager)'s play area stays around the origin.
+///
+/// Yours to move are the bodies of another physics engine, and messages that nobody has read yet. A
+/// [`Snapshot`](crate::snapshot::Snapshot) of before has the old coordinates: do not restore it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShiftOrigin(pub Vec3);
 
@@ -145,7 +148,7 @@ impl Shift {
         }
     }
 
-    /// The same for what is at `local` in the coordinates of an entity.
+    /// The pose, in the new coordinates, of something that may be at `local` in the coordinates of an entity.
     fn pose_of(&self, entity: Entity, pose: Affine3A, local: Affine3A) -> Affine3A {
         match self.moves.get(&entity) {
             Some(&Moved { from, to }) if Affine3A { translation: from, ..to } * local == pose => to * local,
@@ -169,7 +172,11 @@ impl Shift {
         each::<&mut PlaneLock, ()>(world, |mut lock| {
             lock.distance -= lock.normal.normalize_or_zero().dot(self.origin);
         });
+        // The search for what wakes a sleeper knows where each was.
+        let mut members = world.query_filtered::<Entity, Or<(With<Particles>, With<ProjectileState>)>>();
+        let members: Vec<Entity> = members.iter(world).collect();
         let mut candidates = world.resource_mut::<Candidates>();
+        candidates.look_at(members.into_iter());
         candidates.left.iter_mut().for_each(|bounds| *bounds = self.bounds(*bounds));
     }
 
@@ -186,11 +193,13 @@ impl Shift {
             state.last = state.last.map(|last| self.pose_of(reference, last, Affine3A::IDENTITY));
         });
         each::<&mut AnimatedPose, ()>(world, |mut pose| {
-            let AnimatedPose { joints, inverse_bind_poses, last, shown, .. } = &mut *pose;
+            let AnimatedPose { joints, inverse_bind_poses, main, last, shown, .. } = &mut *pose;
             for ((&joint, &local), last) in joints.iter().zip(&*inverse_bind_poses).zip(last) {
                 *last = self.pose_of(joint, *last, local);
             }
-            *shown = shown.map(|shown| shown.map(|shown| self.pose(shown)));
+            if let (Some(&joint), Some(&local)) = (joints.get(*main), inverse_bind_poses.get(*main)) {
+                *shown = shown.map(|shown| shown.map(|shown| self.pose_of(joint, shown, local)));
+            }
         });
     }
 
@@ -212,6 +221,9 @@ impl Shift {
     }
 
     fn environment(&self, world: &mut World) {
+        each::<(Entity, &mut PlannedPlacement), ()>(world, |(entity, mut planned)| {
+            planned.translation = self.place_of(entity, planned.translation);
+        });
         let mut zones = world.query_filtered::<Entity, With<WindZone>>();
         let zones: Vec<Entity> = zones.iter(world).collect();
         let mut solver = world.resource_mut::<SolverEnvironment>();
@@ -240,6 +252,8 @@ impl Shift {
             self.body(entity, &mut parts.state);
         });
         each::<&mut LastReport, ()>(world, |mut last| last.bounds = self.bounds(last.bounds));
+        // The search for what wakes a sleeper takes those anew whose activity changed.
+        each::<&mut Activity, With<OnGpu>>(world, |mut activity| activity.set_changed());
         if let Some(mut bodies) = world.get_resource_mut::<GpuBodies>() {
             bodies.shift_origin(self.origin);
         }
@@ -256,7 +270,7 @@ fn propagate(world: &mut World) {
     }
 }
 
-/// Does something with the components of all entities that have them, disabled or not.
+/// Calls `act` on the components of all entities that have them, disabled or not.
 fn each<D: IterQueryData, F: QueryFilter>(world: &mut World, act: impl FnMut(D::Item<'_, '_>)) {
     world.query_filtered::<D, (F, Allow<Disabled>)>().iter_mut(world).for_each(act);
 }

@@ -32,7 +32,7 @@ fn both(steps: u32, after_step: impl FnMut(&mut Game, u32)) -> ([Option<Differen
 }
 
 /// Asserts that both sides have found a difference after this step, in this body and particle.
-fn both_name(
+fn assert_both_find(
     found: [Option<Difference>; 2],
     expected: (u32, &'static str, Option<usize>),
 ) -> [Difference; 2] {
@@ -62,7 +62,7 @@ fn one_bit_is_found_in_its_step_and_named() {
             game.disturb(123);
         }
     });
-    let [host, guest] = both_name(found, (321, "curtain", Some(123)));
+    let [host, guest] = assert_both_find(found, (321, "curtain", Some(123)));
     let mut places = guest.places;
     places.reverse();
     assert_eq!(host.places, places);
@@ -77,7 +77,7 @@ fn a_ball_that_only_moves_otherwise_is_named() {
             ball.set_velocity(ball.velocity() + 1e-3 * Vec3::X);
         }
     });
-    both_name(found, (50, "second ball", None));
+    assert_both_find(found, (50, "second ball", None));
 }
 
 /// A move that only one side made is found in its step, though the sphere touches nothing yet.
@@ -88,5 +88,5 @@ fn a_move_that_got_lost_is_found_in_its_step() {
             game.drive(1, [0, 1, 0]);
         }
     });
-    both_name(found, (4, "second sphere", Some(0)));
+    assert_both_find(found, (4, "second sphere", Some(0)));
 }

@@ -126,10 +126,12 @@ fn add_obstacle_meshes(
         }
         let Ok(Some(whole)) = obstacle.shape.solid(None) else { continue };
         for (shape, at) in parts(&whole) {
-            let form = Form::of(shape);
             let (looks, form): (Option<Placed>, Form) = match round(shape) {
                 Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
-                None => (mesh_of(form), form),
+                None => {
+                    let form = Form::of(shape);
+                    (mesh_of(form), form)
+                }
             };
             let material = match (form, paint) {
                 (Form::HalfSpace { .. }, None) => surfaces.ground(STONE),

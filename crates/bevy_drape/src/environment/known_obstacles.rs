@@ -81,6 +81,9 @@ impl KnownObstacles {
             numbers.iter().enumerate().map(|(rank, &order)| (order, rank)).collect();
         let mut slots: Vec<usize> = (0..self.orders.len()).collect();
         slots.sort_by_key(|&slot| rank.get(&self.orders[slot]).copied().unwrap_or(usize::MAX));
+        if slots.is_sorted() {
+            return None;
+        }
         self.entities = slots.iter().map(|&slot| self.entities[slot]).collect();
         self.scales = slots.iter().map(|&slot| self.scales[slot]).collect();
         self.orders = slots.iter().map(|&slot| self.orders[slot]).collect();

@@ -1,147 +1,161 @@
-//! Obstacles that are drawn elsewhere than the shown steps saw them, and carry the cloth near them along.
+//! Clothes are drawn where the limbs that touch them are drawn.
 //!
 //! Steps see the last frame's pose of a character, and meshes show a time between the last two steps. So an arm that swings is drawn ahead of
-//! the cape that it pushes, by a tenth of a metre at a run, and would be seen through it. Hence the mesh is moved where it is near:
+//! the cape that it pushes, by a tenth of a metre at a run, and would be seen through it. Hence the vertices near it are displaced:
 //!
 //! ```text
-//!   part
+//!   weight
 //!     1 |\
-//!       |  \        what touches the obstacle goes its whole way, what is farther off goes a part of it
+//!       |  \        a vertex at the obstacle is displaced as much as the obstacle, one farther off less
 //!     0 |____\____
 //!       0   reach   distance from the obstacle
 //! ```
 //!
-//! As the reach is more than the way, nothing comes to the other side of the obstacle, and no two places change their order.
+//! As the reach is twice the displacement, no vertex comes to the other side of the obstacle. Only the mesh is displaced, and only that of a
+//! skinned cloth: what lies on a moving platform is drawn as it was in the shown time.
 //!
 //! Imports obstacles as the solver knows them.
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{Layers, Obstacle, Shape};
+use drape_solver::{Layers, Obstacle, Placement, Shape};
 
+use crate::environment::obstacle::TeleportObstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::rigid_motion::{between, placement, rigid_way};
 
-/// A way in metres that is not seen.
+/// Displacements below this, in metres, are ignored.
 const UNSEEN: f32 = 5e-4;
 
-/// The least distance in metres of which account is taken.
-const TOUCHING: f32 = 1e-3;
+/// Displacements above this, in metres, are jumps, which displace nothing.
+const JUMP: f32 = 0.3;
 
-/// A way in metres that is a jump: nothing is carried that far.
-const JUMP: f32 = 0.5;
-
-/// The least reach in metres; twice the way if that is more.
+/// The least reach in metres; twice the displacement if that is more.
 const LEAST_REACH: f32 = 0.05;
+
+/// Smaller distances, in metres, count as contact.
+const TOUCHING: f32 = 1e-3;
 
 /// The obstacles, where steps see them and where they are drawn.
 #[derive(SystemParam)]
 pub(crate) struct Carriers<'w, 's> {
     solver: Res<'w, SolverEnvironment>,
-    drawn: Query<'w, 's, &'static GlobalTransform>,
+    drawn: Query<'w, 's, &'static GlobalTransform, Without<TeleportObstacle>>,
 }
 
-/// The time and the coordinates in which a surface is shown.
-pub(crate) struct ShownTime {
-    /// From 0, before the last step, to 1, after it.
+/// A surface to be drawn.
+pub(crate) struct DrawnSurface {
+    /// Corners of a box around it, in the world as the steps saw it.
+    pub corners: [Vec3; 2],
+    pub layers: Layers,
+    /// The shown time, from 0, before the last step, to 1, after it.
     pub fraction: f32,
-    /// From where things are drawn to where the surface is shown.
-    pub back: Affine3A,
-    /// The place from which the places of the surface are counted.
+    /// From the world as it is drawn to the world as the steps saw it.
+    pub to_steps: Affine3A,
+    /// The position that others are relative to.
     pub origin: Vec3,
 }
 
-/// The obstacles that carry a surface along in a frame.
+/// The obstacles that displace a surface in a frame.
 #[derive(Default)]
-pub(crate) struct Carried<'a> {
-    carriers: Vec<Carrier<'a>>,
-    /// The longest way in metres of any place.
-    pub farthest: f32,
+pub(crate) struct Carried {
+    carriers: Vec<Carrier>,
+    /// Upper bound on the displacement of any vertex, in metres.
+    pub greatest: f32,
 }
 
-struct Carrier<'a> {
-    shape: &'a Shape,
+struct Carrier {
+    shape: Shape,
     to_shape: Affine3A,
-    way: Affine3A,
+    motion: Affine3A,
     reach: f32,
 }
 
 impl Carriers<'_, '_> {
-    /// Lists those that carry a surface between these corners. `found` is memory.
-    pub fn of(
-        &self,
-        corners: [Vec3; 2],
-        layers: Layers,
-        time: &ShownTime,
-        found: &mut Vec<u32>,
-    ) -> Carried<'_> {
-        let [low, high] = corners;
+    /// Finds the obstacles that displace a surface. `near` is a buffer.
+    pub fn find(&self, surface: &DrawnSurface, near: &mut Vec<u32>, carried: &mut Carried) {
+        carried.clear();
+        near.clear();
         let obstacles = &self.solver.environment.obstacles;
-        found.clear();
-        obstacles.near(low - JUMP, high + JUMP, found);
-        let mut carried = Carried::default();
-        for &slot in &*found {
+        let [low, high] = surface.corners;
+        obstacles.near(low - 2.0 * JUMP, high + 2.0 * JUMP, near);
+        for &slot in &*near {
             let obstacle = &obstacles[slot as usize];
-            if obstacle.is_sensor() || !obstacle.layers().interact(layers) {
-                continue;
-            }
             let entity = self.solver.obstacles.entity(slot as usize);
-            let Ok(drawn) = self.drawn.get(entity) else { continue };
-            if let Some((carrier, farthest)) = Carrier::new(obstacle, drawn, time) {
-                carried.carriers.push(carrier);
-                carried.farthest = carried.farthest.max(farthest);
+            if !obstacle.is_sensor()
+                && obstacle.layers().interact(surface.layers)
+                && let Ok(drawn) = self.drawn.get(entity)
+            {
+                carried.add(obstacle, drawn, surface);
             }
         }
-        if carried.farthest < UNSEEN {
-            carried.carriers.clear();
+        if carried.greatest < UNSEEN {
+            carried.clear();
         }
-        carried
     }
 }
 
-impl Carried<'_> {
-    /// Takes a place along.
-    pub fn place(&self, place: Vec3) -> Vec3 {
-        let (mut way, mut weights, mut greatest) = (Vec3::ZERO, f32::MIN_POSITIVE, 0.0_f32);
+impl Carried {
+    /// Displaces nothing.
+    pub fn clear(&mut self) {
+        self.carriers.clear();
+        self.greatest = 0.0;
+    }
+
+    /// True if nothing is displaced.
+    pub fn is_empty(&self) -> bool {
+        self.carriers.is_empty()
+    }
+
+    /// The displaced position of a vertex.
+    pub fn place(&self, position: Vec3) -> Vec3 {
+        let (mut sum, mut weights, mut greatest) = (Vec3::ZERO, f32::MIN_POSITIVE, 0.0_f32);
         for carrier in &self.carriers {
-            let distance = carrier.shape.distance(carrier.to_shape.transform_point3(place)).max(TOUCHING);
-            let part = (1.0 - distance / carrier.reach).max(0.0);
-            // Between two it goes with the nearer one.
-            let weight = part / (distance * distance);
-            way += weight * (carrier.way.transform_point3(place) - place);
-            weights += weight;
-            greatest = greatest.max(part);
+            let distance = carrier.shape.distance(carrier.to_shape.transform_point3(position)).max(TOUCHING);
+            let weight = (1.0 - distance / carrier.reach).max(0.0);
+            greatest = greatest.max(weight);
+            // Between two obstacles the nearer one counts more.
+            let share = weight / (distance * distance);
+            sum += share * (carrier.motion.transform_point3(position) - position);
+            weights += share;
         }
-        place + way * (greatest / weights)
+        position + sum * (greatest / weights)
+    }
+
+    /// Adds an obstacle of a shape with a formula, also one that stands still: it holds what it touches.
+    fn add(&mut self, obstacle: &Obstacle, drawn: &GlobalTransform, surface: &DrawnSurface) {
+        let shape = obstacle.shape();
+        if matches!(shape, Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) | Shape::Container { .. }) {
+            return;
+        }
+        let [before, after] = [obstacle.previous_placement(), obstacle.placement()].map(transform);
+        let seen = placement(&between(&before, &after, surface.fraction).compute_affine());
+        let drawn = placement(&(surface.to_steps * drawn.affine()));
+        let (Some(seen), Some(drawn)) = (seen, drawn) else { return };
+        // Relative to a position near by, so that the motion is exact far from the origin of the world, too.
+        let [seen, drawn] =
+            [seen, drawn].map(|place| Placement { translation: place.translation - surface.origin, ..place });
+        let motion = rigid_way(&seen, &drawn);
+        let displaced = |point: Vec3| motion.transform_point3(point).distance(point);
+        let moved = if obstacle.radius().is_finite() {
+            let (p, q) = (seen.rotation, drawn.rotation);
+            let turn = 2.0 * (p - q).length().min((p + q).length());
+            displaced(seen.translation) + turn * (obstacle.radius() + LEAST_REACH)
+        } else {
+            let [low, high] = surface.corners.map(|corner| corner - surface.origin);
+            displaced(low).max(displaced(high)).max(displaced(0.5 * (low + high)))
+        };
+        if moved < JUMP {
+            self.greatest = self.greatest.max(moved);
+            let reach = (2.0 * moved).max(LEAST_REACH);
+            let to_shape =
+                Affine3A::from_rotation_translation(seen.rotation.normalize(), seen.translation).inverse();
+            self.carriers.push(Carrier { shape: shape.clone(), to_shape, motion, reach });
+        }
     }
 }
 
-impl<'a> Carrier<'a> {
-    /// The obstacle and its longest way, unless that is too short or too long.
-    fn new(obstacle: &'a Obstacle, drawn: &GlobalTransform, time: &ShownTime) -> Option<(Self, f32)> {
-        let transform = |place: drape_solver::Placement| Transform {
-            translation: place.translation,
-            rotation: place.rotation,
-            scale: Vec3::ONE,
-        };
-        let [before, after] = [obstacle.previous_placement(), obstacle.placement()].map(transform);
-        let seen = placement(&between(&before, &after, time.fraction).compute_affine())?;
-        let drawn = placement(&(time.back * drawn.affine()))?;
-        let (p, q) = (seen.rotation, drawn.rotation);
-        let turn = 2.0 * (p - q).length().min((p + q).length());
-        let turned = if turn < 1e-6 { 0.0 } else { turn * obstacle.radius() };
-        let farthest = seen.translation.distance(drawn.translation) + turned;
-        if farthest > JUMP {
-            return None;
-        }
-        let to_world = Affine3A::from_translation(time.origin);
-        let from_shape = Affine3A::from_rotation_translation(p.normalize(), seen.translation);
-        let way = to_world.inverse() * rigid_way(&seen, &drawn) * to_world;
-        let reach = (2.0 * farthest).max(LEAST_REACH);
-        Some((
-            Self { shape: obstacle.shape(), to_shape: from_shape.inverse() * to_world, way, reach },
-            farthest,
-        ))
-    }
+fn transform(place: Placement) -> Transform {
+    Transform { translation: place.translation, rotation: place.rotation, scale: Vec3::ONE }
 }

@@ -77,6 +77,8 @@ pub(crate) struct Surface {
     is_settled: bool,
     /// Fraction and entity's transform that the mesh was last written for; none if a step was taken since.
     shown: Option<(f32, Affine3A)>,
+    /// True if obstacles displaced the mesh when it was last written.
+    is_displaced: bool,
 }
 
 impl Surface {
@@ -94,6 +96,7 @@ impl Surface {
             normals: Vec::new(),
             is_settled: true,
             shown: None,
+            is_displaced: false,
         }
     }
 
@@ -184,11 +187,11 @@ impl Surface {
 
     /// True if the mesh must be written to show `fraction` of the last step in `space`.
     pub fn must_be_written(&self, space: &EntitySpace, fraction: f32) -> bool {
-        self.shown != Some((self.fraction(fraction), space.to_world))
+        self.is_displaced || self.shown != Some((self.fraction(fraction), space.to_world))
     }
 
-    /// Writes positions and normals into `mesh`, where obstacles have carried them, and returns bounds that hold for every fraction of the
-    /// last step; none if the mesh lacks the right attributes.
+    /// Writes positions and normals into `mesh`, displaced by `carried`, and returns bounds that hold for every fraction of the last step;
+    /// none if the mesh lacks the right attributes.
     pub fn write(
         &mut self,
         mesh: &mut Mesh,
@@ -212,6 +215,7 @@ impl Surface {
         };
         let after = |b: &Vec3| space.direction(carried.place(to + *b)).to_array();
         self.shown = Some((fraction, space.to_world));
+        self.is_displaced = !carried.is_empty();
         match &self.vertices {
             Vertices::Particles => {
                 if fraction < 1.0 {
@@ -253,7 +257,7 @@ impl Surface {
         if fraction < 1.0 {
             (low, high) = (low.min(from + previous.low), high.max(from + previous.high));
         }
-        Some(space.bounds(low - carried.farthest, high + carried.farthest))
+        Some(space.bounds(low - carried.greatest, high + carried.greatest))
     }
 
     /// The corners of a box around the last two states, in the world.
@@ -263,8 +267,12 @@ impl Surface {
         [a[0].min(b[0]), a[1].max(b[1])]
     }
 
-    /// The fraction of the last step that is shown, if that of the others is `fraction`.
-    pub fn fraction(&self, fraction: f32) -> f32 {
+    /// True if the body moved in the last step.
+    pub fn is_moving(&self) -> bool {
+        !self.is_settled
+    }
+
+    fn fraction(&self, fraction: f32) -> f32 {
         if self.is_settled { 1.0 } else { fraction }
     }
 }

@@ -2,13 +2,12 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::prelude::*;
-use drape_solver::Layers;
 
 use crate::attach::animated_pose::AnimatedPose;
 use crate::body::body_state::BodyState;
 use crate::body::particles::Particles;
 use crate::render::any_mesh::{AnyMesh, handle_of};
-use crate::render::carriers::{Carriers, ShownTime};
+use crate::render::carriers::{Carried, Carriers, DrawnSurface};
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::rope_mesh::{RopeSurface, write_ropes};
 use crate::render::surface::{EntitySpace, Surface};
@@ -47,18 +46,19 @@ pub(crate) fn write_surfaces(
     mut meshes: ResMut<Assets<Mesh>>,
     interpolate: Res<InterpolateSurfaces>,
     time: Option<Res<Time<Fixed>>>,
-    mut found: Local<Vec<u32>>,
+    (mut near, mut carried): (Local<Vec<u32>>, Local<Carried>),
 ) {
     let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
     write_ropes(&mut ropes, &mut meshes, fraction);
     for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
         let Some(mesh) = handle_of(mesh) else { continue };
         let (body, posed) = bodies.get(driven.map_or(entity, |driven| driven.driver)).ok().unzip();
-        let ahead = posed.flatten().and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
+        let posed = posed.flatten();
         // The cloth is drawn relative to the character as it was in these steps, so that it is on the character as
         // drawn now.
-        let back = ahead.map(|ahead| ahead.inverse());
-        let from = back.map(|back| GlobalTransform::from(back * transform.affine()));
+        let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
+        let to_steps = ahead.map(|ahead| ahead.inverse());
+        let from = to_steps.map(|to_steps| GlobalTransform::from(to_steps * transform.affine()));
         let Some(space) = EntitySpace::new(from.as_ref().unwrap_or(transform)) else {
             continue;
         };
@@ -68,13 +68,19 @@ pub(crate) fn write_surfaces(
         let Some(mut asset) = meshes.get_mut(mesh) else {
             continue;
         };
-        let time = ShownTime {
-            fraction: surface.fraction(fraction),
-            back: back.unwrap_or_default(),
-            origin: space.translation,
-        };
-        let layers = body.map_or(Layers::ALL, |body| body.layers);
-        let carried = carriers.of(surface.corners(), layers, &time, &mut found);
+        carried.clear();
+        if let Some(body) = body.filter(|_| posed.is_some())
+            && surface.is_moving()
+        {
+            let drawn = DrawnSurface {
+                corners: surface.corners(),
+                layers: body.layers,
+                fraction,
+                to_steps: to_steps.unwrap_or_default(),
+                origin: space.translation,
+            };
+            carriers.find(&drawn, &mut near, &mut carried);
+        }
         let bounds = surface.write(&mut asset, &space, fraction, &carried);
         if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
             *aabb = bounds;

@@ -1,5 +1,6 @@
 //! Registers sleeping, waking and culling.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 
 use crate::body::fabric::Fabric;
@@ -40,6 +41,7 @@ impl Plugin for SleepPlugin {
             .add_observer(note_lost_component::<BodySurface>)
             .add_observer(note_lost_component::<SolverSettings>)
             .add_observer(note_lost_component::<DrapeLayers>)
+            .add_observer(note_lost_component::<Disabled>)
             .add_systems(
                 DrapeSchedule,
                 (

@@ -23,7 +23,7 @@
 //! components, whatever moves the obstacles, and messages that no step has read yet. Restore it into the same world, or
 //! into another one in which the same scene was spawned and has taken a step. Entities are found by their
 //! [order of creation](Key). Entities that are not in the snapshot are despawned, also those that had not taken a step
-//! yet. Missing balls are spawned without your own components: add them when they appear, as you do when a cannon
+//! when it was taken. Missing balls are spawned without your own components: add them when they appear, as you do when a cannon
 //! fires. A missing body or obstacle is an error: disable what may have to come back, as a snapshot holds also what is
 //! [disabled](bevy::ecs::entity_disabling::Disabled).
 //!

@@ -219,11 +219,11 @@ pub(super) fn restore(
     }
     let members = entities(keys);
     world.resource_mut::<ObstacleChanges>().restore(&members, moving, changed);
-    let came_since = came_since(obstacles, world);
+    let gone = came_and_gone(obstacles, world);
     let mut solver = world.resource_mut::<SolverEnvironment>();
     let SolverEnvironment { environment, obstacles: in_solver, .. } = &mut *solver;
     let built = &mut environment.obstacles;
-    for &obstacle in came_since.iter().chain(disabled.iter().map(|(_, obstacle)| obstacle)) {
+    for &obstacle in gone.iter().chain(disabled.iter().map(|(_, obstacle)| obstacle)) {
         if let Some(slot) = in_solver.slot(obstacle) {
             built.swap_remove(slot);
             in_solver.swap_remove(slot);
@@ -250,7 +250,7 @@ pub(super) fn restore(
 
 /// Obstacles in the solver that came since, and are gone. One that was there before is removed by the next step, which wakes what
 /// rests on it.
-fn came_since(obstacles: &ObstacleSnapshots, world: &World) -> Vec<Entity> {
+fn came_and_gone(obstacles: &ObstacleSnapshots, world: &World) -> Vec<Entity> {
     let all = world.resource::<SolverEnvironment>().obstacles.orders_and_entities();
     let is_gone = |obstacle| world.get::<Obstacle>(obstacle).is_none();
     let came_since = all.filter(|&(order, obstacle)| order > obstacles.last_order && is_gone(obstacle));

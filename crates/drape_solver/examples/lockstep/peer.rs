@@ -84,7 +84,7 @@ fn find_difference(
     let others = exchange(link, hashes.as_flattened())?;
     let (others, _) = others.as_chunks();
     let member = hashes.iter().zip(others).position(|(a, b)| a != b);
-    let member = member.ok_or("the hash of everything differs, but that of nothing in it")?;
+    let member = member.ok_or("the hash of the world differs, but that of no member")?;
     let own = game.places(member);
     let bytes: Vec<u8> =
         own.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes()).collect();
