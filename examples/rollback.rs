@@ -96,16 +96,18 @@ impl History {
     fn listen(&mut self, world: &mut World) -> Result<(), SnapshotError> {
         let Some(then) = self.frame.checked_sub(LATE) else { return Ok(()) };
         let heard = moved(1, then);
-        if let Some((before, [_, guess])) = self.frames.front()
-            && *guess != heard
-        {
-            before.restore_of::<With<RolledBack>>(world)?;
-            self.wrong_guesses += 1;
-            for (_, [first, _]) in core::mem::take(&mut self.frames) {
-                self.save_and_move(world, [first, heard]);
-                world.run_schedule(FixedPostUpdate);
-            }
+        let Some((before, moves)) = self.frames.pop_front() else { return Ok(()) };
+        if moves[1] == heard {
+            return Ok(());
         }
+        before.restore_of::<With<RolledBack>>(world)?;
+        self.wrong_guesses += 1;
+        let since = core::mem::take(&mut self.frames).into_iter().map(|(_, moves)| moves);
+        for [first, _] in [moves].into_iter().chain(since) {
+            self.save_and_move(world, [first, heard]);
+            world.run_schedule(FixedPostUpdate);
+        }
+        // This one is known now.
         self.frames.pop_front();
         Ok(())
     }
