@@ -20,7 +20,6 @@ pub(crate) struct AnimatedPose {
     /// For each joint, the matrix from the mesh to the world in the last step.
     pub last: Vec<Affine3A>,
     /// The same for the main joint after the last two steps; none before the first step.
-    #[cfg_attr(not(feature = "mesh"), expect(dead_code, reason = "for what shows meshes"))]
     pub shown: [Option<Affine3A>; 2],
 }
 
