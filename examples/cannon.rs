@@ -28,7 +28,10 @@ use drape_examples::cannon_demo::arguments::Arguments;
 use drape_examples::cannon_demo::{headless, soak};
 
 fn main() -> ExitCode {
+    #[cfg(not(all(feature = "web", target_family = "wasm")))]
     let arguments = Arguments::parse();
+    #[cfg(all(feature = "web", target_family = "wasm"))]
+    let Some(arguments) = drape_examples::cannon_demo::page::arguments() else { return ExitCode::FAILURE };
     #[cfg(feature = "window")]
     if !arguments.headless
         && !arguments.frames

@@ -8,6 +8,7 @@ use bevy_drape::prelude::*;
 use crate::cannon_demo::plugin::begin;
 use crate::cannon_demo::scene::Curtain;
 use crate::view::clock_keys::control_clock;
+use crate::view::window::quit;
 
 /// Speed at which the barrel turns, in rad/s.
 const TURN_RATE: f32 = 0.35;
@@ -153,11 +154,5 @@ fn preview_path(mut gizmos: Gizmos, cannons: Query<(&Cannon, &GlobalTransform)>,
             }
             gizmos.line(from, to, Color::srgba(0.1, 0.1, 0.1, 0.5));
         }
-    }
-}
-
-fn quit(keys: Res<ButtonInput<KeyCode>>, mut exit: MessageWriter<AppExit>) {
-    if keys.just_pressed(KeyCode::Escape) {
-        exit.write(AppExit::Success);
     }
 }

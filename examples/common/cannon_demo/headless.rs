@@ -103,13 +103,18 @@ pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f
         world.resource_mut::<Recorder>().note_wall_time(wall);
         let time = world.resource::<DrapeClock>().elapsed();
         on_step(time);
-        let recorder = world.resource::<Recorder>();
-        let is_waiting = recorder.is_waiting(scene, time);
-        let is_at_rest = world.resource::<ActivityCounts>().active == 0;
-        if !is_waiting && (is_at_rest || time - recorder.last_hit() > PATIENCE) {
+        if is_over(world, scene) {
             return;
         }
     }
+}
+
+/// True if every shot is fired and all is at rest, or patience ends.
+pub fn is_over(world: &World, scene: &CannonScene) -> bool {
+    let time = world.resource::<DrapeClock>().elapsed();
+    let recorder = world.resource::<Recorder>();
+    let is_at_rest = world.resource::<ActivityCounts>().active == 0;
+    !recorder.is_waiting(scene, time) && (is_at_rest || time - recorder.last_hit() > PATIENCE)
 }
 
 fn progress_bar(scene: &CannonScene) -> Progress {

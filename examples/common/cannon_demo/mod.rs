@@ -17,6 +17,8 @@ mod materials;
 mod output;
 #[cfg(feature = "window")]
 mod overlay;
+#[cfg(all(feature = "web", target_family = "wasm"))]
+pub mod page;
 mod plot;
 pub mod plugin;
 pub mod recorder;

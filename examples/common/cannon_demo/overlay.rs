@@ -14,6 +14,7 @@ use drape_solver::state::measure;
 
 use crate::cannon_demo::controls::{Blowing, ClothView};
 use crate::cannon_demo::scene::Curtain;
+use crate::view::IN_PAGE;
 
 const HELP: &str = "\
 arrows, WASD      aim                    V  wind
@@ -58,14 +59,15 @@ fn spawn(mut commands: Commands) {
             Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), ..node },
             BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6)),
             font,
-            TextLayout::no_wrap(),
+            if IN_PAGE { TextLayout::default() } else { TextLayout::no_wrap() },
             TextColor(Color::srgb(0.95, 0.95, 0.92)),
         )
     };
     let top = Node { top: px(10), left: px(10), ..default() };
     let bottom = Node { bottom: px(10), left: px(10), ..default() };
     commands.spawn((Figures, Text::default(), panel(top)));
-    commands.spawn((Help, Text::new(HELP), panel(bottom)));
+    let help = if IN_PAGE { Visibility::Hidden } else { Visibility::Inherited };
+    commands.spawn((Help, Text::new(HELP), panel(bottom), help));
 }
 
 fn toggle_help(keys: Res<ButtonInput<KeyCode>>, mut help: Query<&mut Visibility, With<Help>>) {

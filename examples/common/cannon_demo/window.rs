@@ -17,7 +17,7 @@ use crate::cannon_demo::scene::CannonScene;
 use crate::view::lighting::camera;
 use crate::view::orbit::{Orbit, OrbitPlugin};
 use crate::view::pointer::PointerPlugin;
-use crate::view::window::{WindowError, check_display};
+use crate::view::window::{WindowError, check_display, main_window};
 
 /// Half the side of the play area in metres: balls that roll out of it are taken away.
 const PLAY_AREA: f32 = 60.0;
@@ -29,17 +29,16 @@ const PLAY_AREA: f32 = 60.0;
 pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
     check_display()?;
     // The player fires.
+    #[cfg(not(all(feature = "web", target_family = "wasm")))]
     let scene = CannonScene { shots: 0, ..arguments.scene() };
-    let window = Window {
-        title: "bevy_drape: a cannon bombards a curtain".to_owned(),
-        resolution: UVec2::new(1280, 720).into(),
-        ..default()
-    };
+    // The address of a page may ask for shots.
+    #[cfg(all(feature = "web", target_family = "wasm"))]
+    let scene = arguments.scene();
     let plugins = DefaultPlugins
-        .set(WindowPlugin { primary_window: Some(window), ..default() })
+        .set(main_window("bevy_drape: a cannon bombards a curtain"))
         .set(task_pools(arguments.threads));
-    let exit = App::new()
-        .add_plugins((plugins, DrapePlugins::default(), CannonMaterialsPlugin, CannonScenePlugin(scene)))
+    let mut app = App::new();
+    app.add_plugins((plugins, DrapePlugins::default(), CannonMaterialsPlugin, CannonScenePlugin(scene)))
         .add_plugins((OrbitPlugin, ControlsPlugin, PointerPlugin, OverlayPlugin))
         .insert_resource(SceneManager {
             play_area_min: Vec3::splat(-PLAY_AREA),
@@ -47,9 +46,10 @@ pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
             despawn_lost_balls: true,
             ..default()
         })
-        .add_systems(Startup, spawn_camera)
-        .run();
-    Ok(exit)
+        .add_systems(Startup, spawn_camera);
+    #[cfg(all(feature = "web", target_family = "wasm"))]
+    app.add_plugins(crate::cannon_demo::page::CannonPagePlugin);
+    Ok(app.run())
 }
 
 /// Behind the cannon, on its left.

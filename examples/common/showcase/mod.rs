@@ -3,6 +3,8 @@
 //! Imports `feature` and `view`. The example `showcase` calls it.
 
 mod film;
+#[cfg(all(feature = "web", target_family = "wasm"))]
+mod page;
 mod panel;
 mod selection;
 pub mod window;

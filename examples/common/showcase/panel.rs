@@ -12,8 +12,10 @@ use bevy_drape::prelude::*;
 
 use crate::feature::example::Feature;
 use crate::showcase::selection::Showcase;
+use crate::view::IN_PAGE;
 use crate::view::slider::{Slider, SliderPlugin};
 use crate::view::text_panel::TextPanel;
+use crate::view::touch::Press;
 
 /// Time between two updates of the figures.
 const INTERVAL: Duration = Duration::from_millis(200);
@@ -44,6 +46,10 @@ const SETTINGS: [(Setting, &str, f32, f32); 5] = [
 #[derive(Component)]
 struct Entry(usize);
 
+/// Marks the panel of the sliders.
+#[derive(Component)]
+pub struct Sliders;
+
 /// The number beside a slider.
 #[derive(Component)]
 struct Reading(Setting);
@@ -54,7 +60,7 @@ pub struct ShowcasePanelPlugin;
 impl Plugin for ShowcasePanelPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((SliderPlugin, DrapeDiagnosticsPlugin, FrameTimeDiagnosticsPlugin::default()))
-            .add_systems(Startup, (spawn_list, spawn_sliders))
+            .add_systems(Startup, (spawn_list.run_if(|| !IN_PAGE), spawn_sliders))
             .add_systems(Update, (choose, set, read).chain())
             .add_systems(Update, tell.run_if(on_real_timer(INTERVAL)));
     }
@@ -85,7 +91,8 @@ fn spawn_list(mut commands: Commands, showcase: Res<Showcase>) {
 }
 
 fn spawn_sliders(mut commands: Commands) {
-    commands.spawn(column(Node { top: px(10), right: px(10), ..default() })).with_children(|rows| {
+    let place = Node { top: px(10), right: px(10), ..default() };
+    commands.spawn((Sliders, column(place))).with_children(|rows| {
         for (setting, name, from, to) in SETTINGS {
             rows.spawn((Reading(setting), words(name)));
             let bar = Node { width: px(220), height: px(16), ..default() };
@@ -98,11 +105,9 @@ fn spawn_sliders(mut commands: Commands) {
 fn choose(
     mut entries: Query<(&Entry, &ComputedNode, &UiGlobalTransform, &mut TextColor)>,
     mut showcase: ResMut<Showcase>,
-    windows: Query<&Window>,
-    buttons: Res<ButtonInput<MouseButton>>,
+    press: Press,
 ) {
-    let pointer = windows.iter().find_map(Window::physical_cursor_position);
-    let pressed = pointer.filter(|_| buttons.just_pressed(MouseButton::Left));
+    let pressed = press.place().filter(|_| press.has_begun());
     for (&Entry(index), node, transform, mut colour) in &mut entries {
         if pressed.is_some_and(|pointer| node.contains_point(*transform, pointer)) {
             showcase.current = index;

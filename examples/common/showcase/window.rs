@@ -45,6 +45,8 @@ pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowEr
         .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
         .add_systems(Update, |world: &mut World| play(world, Update.intern()))
         .add_systems(Update, (control_clock, control));
+    #[cfg(all(feature = "web", target_family = "wasm"))]
+    app.add_plugins(crate::showcase::page::ShowcasePagePlugin);
     app.run();
     Ok(())
 }

@@ -7,10 +7,13 @@ use bevy::light::{CascadeShadowConfigBuilder, NotShadowCaster, NotShadowReceiver
 use bevy::prelude::*;
 use bevy_drape::viewer::Viewer;
 
-use crate::view::textures;
+use crate::view::{IN_PAGE, textures};
 
 /// Colour of the sky, and of what is far away.
 const SKY: Srgba = Srgba::rgb(0.79, 0.83, 0.86);
+/// Maps of the sun's shadow, one for what is near, one for what is far away, one between. WebGL2 draws only one.
+const SHADOW_MAPS: usize = if IN_PAGE { 1 } else { 3 };
+
 /// Sun and sky.
 pub struct LightingPlugin;
 
@@ -54,7 +57,7 @@ fn spawn_light(mut commands: Commands) {
             ..default()
         },
         CascadeShadowConfigBuilder {
-            num_cascades: 3,
+            num_cascades: SHADOW_MAPS,
             first_cascade_far_bound: 7.0,
             maximum_distance: 40.0,
             ..default()

@@ -2,6 +2,10 @@
 //!
 //! Imports no other folder.
 
+/// True in the page of a browser, which has a help and a list of its own.
+#[cfg(feature = "render")]
+pub(crate) const IN_PAGE: bool = cfg!(all(feature = "web", target_family = "wasm"));
+
 #[cfg(feature = "render")]
 mod adapter;
 #[cfg(feature = "meshes")]
@@ -20,6 +24,8 @@ pub(crate) mod lighting;
 pub(crate) mod offscreen;
 #[cfg(feature = "window")]
 pub(crate) mod orbit;
+#[cfg(all(feature = "web", target_family = "wasm"))]
+pub mod page;
 pub mod paint;
 #[cfg(feature = "window")]
 pub(crate) mod pointer;
@@ -33,6 +39,8 @@ pub mod slider;
 pub(crate) mod text_panel;
 #[cfg(feature = "render")]
 pub(crate) mod textures;
+#[cfg(feature = "window")]
+pub(crate) mod touch;
 #[cfg(feature = "render")]
 pub(crate) mod tubes;
 #[cfg(feature = "render")]

@@ -3,15 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use bevy::app::{Plugins, PluginsState, TerminalCtrlCHandlerPlugin};
+use bevy::app::{Plugins, PluginsState};
 use bevy::camera::RenderTarget;
 use bevy::light::DirectionalLightShadowMap;
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::render::{RenderApp, RenderPlugin};
-use bevy::tasks::tick_global_task_pools_on_main_thread;
 use bevy::window::ExitCondition;
 use thiserror::Error;
 
@@ -65,9 +63,12 @@ pub fn app<M>(plugins: impl Plugins<M>, size: UVec2) -> Result<(App, OffscreenCa
         .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
         .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
         // The updates are ours, and so are the picture and the terminal.
-        .disable::<PipelinedRenderingPlugin>()
-        .disable::<bevy::log::LogPlugin>()
-        .disable::<TerminalCtrlCHandlerPlugin>();
+        .disable::<bevy::log::LogPlugin>();
+    // A browser has neither the thread nor the terminal.
+    #[cfg(not(target_family = "wasm"))]
+    let basics = basics
+        .disable::<bevy::render::pipelined_rendering::PipelinedRenderingPlugin>()
+        .disable::<bevy::app::TerminalCtrlCHandlerPlugin>();
     #[cfg(feature = "window")]
     let basics = basics.disable::<bevy::winit::WinitPlugin>();
     app.add_plugins(basics)
@@ -75,7 +76,9 @@ pub fn app<M>(plugins: impl Plugins<M>, size: UVec2) -> Result<(App, OffscreenCa
         // Seen for longer than a frame in a window.
         .insert_resource(DirectionalLightShadowMap { size: 4096 });
     while app.plugins_state() == PluginsState::Adding {
-        tick_global_task_pools_on_main_thread();
+        // In a browser tasks run between frames.
+        #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+        bevy::tasks::tick_global_task_pools_on_main_thread();
     }
     app.finish();
     app.cleanup();

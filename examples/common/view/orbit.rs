@@ -33,6 +33,17 @@ impl Orbit {
         // Not below the ground.
         Transform::from_translation(eye.with_y(eye.y.max(0.1))).looking_at(self.target, Vec3::Y)
     }
+
+    /// Turns with a pointer that moves so many pixels.
+    pub fn turn(&mut self, pixels: Vec2) {
+        self.yaw -= pixels.x * TURN;
+        self.pitch = (self.pitch + pixels.y * TURN).clamp(-0.3, FRAC_PI_2 - 0.05);
+    }
+
+    /// Changes the distance by a factor.
+    pub fn zoom(&mut self, factor: f32) {
+        self.distance = (self.distance * factor).clamp(1.5, 40.0);
+    }
 }
 
 /// Moves [`Orbit`] cameras.
@@ -50,7 +61,7 @@ fn orbit(
     motion: Res<AccumulatedMouseMotion>,
     scroll: Res<AccumulatedMouseScroll>,
 ) {
-    let turn = if buttons.pressed(MouseButton::Right) { motion.delta * TURN } else { Vec2::ZERO };
+    let turn = if buttons.pressed(MouseButton::Right) { motion.delta } else { Vec2::ZERO };
     let notches = match scroll.unit {
         MouseScrollUnit::Line => scroll.delta.y,
         MouseScrollUnit::Pixel => scroll.delta.y / NOTCH,
@@ -59,9 +70,8 @@ fn orbit(
         return;
     }
     for (mut orbit, mut transform) in &mut cameras {
-        orbit.yaw -= turn.x;
-        orbit.pitch = (orbit.pitch + turn.y).clamp(-0.3, FRAC_PI_2 - 0.05);
-        orbit.distance = (orbit.distance * ZOOM.powf(notches)).clamp(1.5, 40.0);
+        orbit.turn(turn);
+        orbit.zoom(ZOOM.powf(notches));
         *transform = orbit.transform();
     }
 }

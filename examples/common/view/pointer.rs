@@ -1,10 +1,12 @@
-//! The left mouse button, or a finger: on cloth it drags it. The button fires where there is no cloth.
+//! The left mouse button, or a finger: on cloth it drags it. A click or a tap fires where there is no cloth.
 
 use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
+
+use crate::view::touch::TouchPlugin;
 
 /// Radius of the piece of cloth that is held, in metres.
 const HANDFUL: f32 = 0.22;
@@ -14,7 +16,7 @@ pub struct PointerPlugin;
 
 impl Plugin for PointerPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Update, (offer, fire));
+        app.add_plugins(TouchPlugin).add_systems(Update, (offer, fire));
     }
 }
 

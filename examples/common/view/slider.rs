@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::view::touch::Press;
+
 /// Colour of the part of a bar that is chosen.
 const CHOSEN: Color = Color::srgb(0.85, 0.55, 0.2);
 /// Colour of the rest.
@@ -56,17 +58,13 @@ fn dress(added: On<Add<Slider>>, mut commands: Commands) {
 }
 
 /// Takes the number at which a bar is held.
-fn hold(
-    mut sliders: Query<(&mut Slider, &ComputedNode, &UiGlobalTransform)>,
-    windows: Query<&Window>,
-    buttons: Res<ButtonInput<MouseButton>>,
-) {
-    let pointer = windows.iter().find_map(Window::physical_cursor_position);
+fn hold(mut sliders: Query<(&mut Slider, &ComputedNode, &UiGlobalTransform)>, press: Press) {
+    let pointer = press.place();
     for (mut slider, node, transform) in &mut sliders {
         let place = pointer.and_then(|pointer| node.normalize_point(*transform, pointer));
         let is_over = pointer.is_some_and(|pointer| node.contains_point(*transform, pointer));
-        let begins = is_over && buttons.just_pressed(MouseButton::Left);
-        let is_held = place.is_some() && (begins || slider.is_held && buttons.pressed(MouseButton::Left));
+        let begins = is_over && press.has_begun();
+        let is_held = place.is_some() && (begins || slider.is_held && press.is_down());
         if let Some(place) = place.filter(|_| is_held) {
             let part = (place.x + 0.5).clamp(0.0, 1.0);
             slider.value = slider.from + part * (slider.to - slider.from);

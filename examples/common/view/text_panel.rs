@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::view::IN_PAGE;
+
 /// The texts; H hides the help.
 #[derive(Resource, Default)]
 pub struct TextPanel {
@@ -34,14 +36,15 @@ pub fn spawn_panel(mut commands: Commands) {
             line,
             Text::default(),
             TextFont { font_size: 15.0.into(), ..default() },
-            TextLayout::no_wrap(),
+            if IN_PAGE { TextLayout::default() } else { TextLayout::no_wrap() },
             TextColor(Color::srgb(0.95, 0.95, 0.92)),
             BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6)),
             Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), ..node },
         )
     };
     commands.spawn(panel(Line::State, Node { top: px(10), left: px(10), ..default() }));
-    commands.spawn(panel(Line::Help, Node { bottom: px(44), left: px(10), ..default() }));
+    let help = if IN_PAGE { Visibility::Hidden } else { Visibility::Inherited };
+    commands.spawn((panel(Line::Help, Node { bottom: px(44), left: px(10), ..default() }), help));
     commands.init_resource::<TextPanel>();
 }
 

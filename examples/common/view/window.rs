@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use thiserror::Error;
 
+use crate::view::IN_PAGE;
 use crate::view::adapter::{NoAdapter, find_adapter};
 use crate::view::asset_files::asset_plugin;
 use crate::view::lighting::camera;
@@ -26,6 +27,10 @@ pub enum WindowError {
 /// # Errors
 /// [`WindowError`].
 pub(crate) fn check_display() -> Result<(), WindowError> {
+    // A page cannot wait for an adapter, and looks for WebGL2 itself.
+    if IN_PAGE {
+        return Ok(());
+    }
     if !has_display() {
         return Err(WindowError::NoDisplay);
     }
@@ -39,30 +44,45 @@ fn has_display() -> bool {
     !asks || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().any(is_set)
 }
 
+/// The main window; in a browser, the page's canvas.
+pub(crate) fn main_window(title: &str) -> WindowPlugin {
+    let window = Window {
+        title: title.to_owned(),
+        resolution: UVec2::new(1280, 720).into(),
+        canvas: Some("#canvas".to_owned()),
+        fit_canvas_to_parent: true,
+        // Keys of the browser stay keys of the browser.
+        prevent_default_event_handling: false,
+        ..default()
+    };
+    WindowPlugin { primary_window: Some(window), ..default() }
+}
+
+/// Ends the program; a page stays.
+pub(crate) fn quit(keys: Res<ButtonInput<KeyCode>>, mut exit: MessageWriter<AppExit>) {
+    if keys.just_pressed(KeyCode::Escape) && !IN_PAGE {
+        exit.write(AppExit::Success);
+    }
+}
+
 /// A window without meshes and materials for bodies and obstacles.
 ///
 /// # Errors
 /// [`WindowError`] if there is no display, or nothing to draw with.
 pub(crate) fn bare_app(title: &str) -> Result<App, WindowError> {
     check_display()?;
-    let window = Window { title: title.to_string(), resolution: UVec2::new(1280, 720).into(), ..default() };
-    let plugins =
-        DefaultPlugins.set(asset_plugin()).set(WindowPlugin { primary_window: Some(window), ..default() });
+    let plugins = DefaultPlugins.set(asset_plugin()).set(main_window(title));
     let mut app = App::new();
     app.add_plugins((plugins, DrapePlugins::default(), OrbitPlugin))
         .add_systems(Startup, (spawn_camera, spawn_panel))
         .add_systems(Update, quit)
         .add_systems(PostUpdate, write_panel);
+    #[cfg(all(feature = "web", target_family = "wasm"))]
+    app.add_plugins(crate::view::page::PagePlugin);
     Ok(app)
 }
 
 fn spawn_camera(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
     let orbit = Orbit { target: Vec3::Y, yaw: 0.4, pitch: 0.25, distance: 8.0 };
     commands.spawn((orbit, camera(orbit.transform(), &mut images)));
-}
-
-fn quit(keys: Res<ButtonInput<KeyCode>>, mut exit: MessageWriter<AppExit>) {
-    if keys.just_pressed(KeyCode::Escape) {
-        exit.write(AppExit::Success);
-    }
 }

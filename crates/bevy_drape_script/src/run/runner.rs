@@ -78,6 +78,8 @@ impl SceneRunner {
             app.add_plugins(ScenePlugin);
         }
         while app.plugins_state() == PluginsState::Adding {
+            // In a browser tasks run between frames.
+            #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
         // An app that has run a scene before was finished then.
