@@ -23,13 +23,12 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use clap::Parser;
 use drape_examples::cannon_demo::arguments::Arguments;
 use drape_examples::cannon_demo::{headless, soak};
 
 fn main() -> ExitCode {
     #[cfg(not(all(feature = "web", target_family = "wasm")))]
-    let arguments = Arguments::parse();
+    let arguments = <Arguments as clap::Parser>::parse();
     #[cfg(all(feature = "web", target_family = "wasm"))]
     let Some(arguments) = drape_examples::cannon_demo::page::arguments() else { return ExitCode::FAILURE };
     #[cfg(feature = "window")]

@@ -14,6 +14,7 @@ use crate::cannon_demo::materials::CannonMaterialsPlugin;
 use crate::cannon_demo::overlay::OverlayPlugin;
 use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::scene::CannonScene;
+use crate::view::IN_PAGE;
 use crate::view::lighting::camera;
 use crate::view::orbit::{Orbit, OrbitPlugin};
 use crate::view::pointer::PointerPlugin;
@@ -28,12 +29,9 @@ const PLAY_AREA: f32 = 60.0;
 /// `WindowError` if there is no display or no graphics adapter.
 pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
     check_display()?;
-    // The player fires.
-    #[cfg(not(all(feature = "web", target_family = "wasm")))]
-    let scene = CannonScene { shots: 0, ..arguments.scene() };
-    // The address of a page may ask for shots.
-    #[cfg(all(feature = "web", target_family = "wasm"))]
-    let scene = arguments.scene();
+    // The player fires; the address of a page may ask for shots.
+    let shots = if IN_PAGE { arguments.shots } else { 0 };
+    let scene = CannonScene { shots, ..arguments.scene() };
     let plugins = DefaultPlugins
         .set(main_window("bevy_drape: a cannon bombards a curtain"))
         .set(task_pools(arguments.threads));

@@ -81,6 +81,10 @@ fn tell_picture(pipelines: Res<PipelineCache>, mut calm: Local<u32>) {
 
 fn fit_texts(windows: Query<&Window, Changed<Window>>, mut scale: ResMut<UiScale>) {
     for window in &windows {
-        scale.set_if_neq(UiScale((window.width() / FULL_WIDTH).clamp(SMALLEST, 1.0)));
+        let wanted = (window.width() / FULL_WIDTH).clamp(SMALLEST, 1.0);
+        // A change lays all texts out again.
+        if scale.0 != wanted {
+            scale.0 = wanted;
+        }
     }
 }
