@@ -67,7 +67,11 @@ fn spawn_light(mut commands: Commands) {
         Transform::from_xyz(6.0, 6.5, 4.5).looking_at(Vec3::ZERO, Vec3::Y),
         Name::new("sun"),
     ));
-    // What the sky gives back from the other side: without it, all that is in the shade has one and the same grey.
+    if IN_PAGE {
+        // WebGL2 draws only one directional light.
+        return;
+    }
+    // The sky from the other side, or all that is in the shade has one and the same grey.
     commands.spawn((
         DirectionalLight { color: Color::srgb(0.72, 0.84, 1.0), illuminance: 1_100.0, ..default() },
         Transform::from_xyz(-6.0, 3.0, 1.5).looking_at(Vec3::ZERO, Vec3::Y),
