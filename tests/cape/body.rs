@@ -203,9 +203,9 @@ fn measure_depth(
     let Depth { parts, steps, most, joint, within_limits, .. } = &mut *depth;
     *steps += 1;
     for (of, shape) in parts {
-        let pose = places.get(character.joints[*of]).expect("placed");
+        let to_part = places.get(character.joints[*of]).expect("placed").affine().inverse();
         for i in (0..particles.len()).filter(|&i| !particles.is_pinned(i)) {
-            let deep = depth_in(shape, pose, particles.position(i));
+            let deep = depth_in(shape, to_part.transform_point3(particles.position(i)));
             if !is_at_limit(particles, i) {
                 *within_limits = within_limits.max(deep);
             }
@@ -216,9 +216,8 @@ fn measure_depth(
     }
 }
 
-/// The depth in metres of a place in a part of the skin; 0 outside.
-fn depth_in(part: &Shape, pose: &GlobalTransform, place: Vec3) -> f32 {
-    let local = pose.affine().inverse().transform_point3(place);
+/// The depth in metres of a point in a part of the skin, in its coordinates; 0 outside.
+fn depth_in(part: &Shape, local: Vec3) -> f32 {
     let (low, high) = part.local_bounds();
     let is_near = local.cmpge(low).all() && local.cmple(high).all();
     if is_near { (-part.distance(local)).max(0.0) } else { 0.0 }
@@ -240,8 +239,8 @@ fn drawn_depth(app: &App, character: &Character) -> f32 {
     });
     let places: Vec<Vec3> = free.map(|(_, vertex)| place.transform_point(vertex)).collect();
     let depths = app.world().resource::<Depth>().parts.iter().flat_map(|(of, part)| {
-        let pose = global(app, character.joints[*of]);
-        places.iter().map(move |&place| depth_in(part, &pose, place))
+        let to_part = global(app, character.joints[*of]).affine().inverse();
+        places.iter().map(move |&place| depth_in(part, to_part.transform_point3(place)))
     });
     depths.fold(0.0, f32::max)
 }
