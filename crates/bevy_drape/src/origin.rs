@@ -162,9 +162,8 @@ impl Shift {
     }
 
     fn bodies(&self, world: &mut World) {
-        each::<&mut Particles, ()>(world, |mut particles| {
-            particles.bypass_change_detection().shift_origin(self.origin);
-        });
+        // Marked as changed, so that the next step tells the search for what wakes a sleeper where each is.
+        each::<&mut Particles, ()>(world, |mut particles| particles.shift_origin(self.origin));
         each::<(Entity, &mut BodyState), ()>(world, |(entity, mut state)| self.body(entity, &mut state));
         each::<&mut Grab, ()>(world, |mut grab| {
             grab.hands.iter_mut().for_each(|hand| hand.target = self.place(hand.target));
@@ -172,11 +171,7 @@ impl Shift {
         each::<&mut PlaneLock, ()>(world, |mut lock| {
             lock.distance -= lock.normal.normalize_or_zero().dot(self.origin);
         });
-        // The search for what wakes a sleeper knows where each was.
-        let mut members = world.query_filtered::<Entity, Or<(With<Particles>, With<ProjectileState>)>>();
-        let members: Vec<Entity> = members.iter(world).collect();
         let mut candidates = world.resource_mut::<Candidates>();
-        candidates.look_at(members.into_iter());
         candidates.left.iter_mut().for_each(|bounds| *bounds = self.bounds(*bounds));
     }
 
@@ -205,9 +200,7 @@ impl Shift {
 
     /// Moves balls, and what the plugin remembers of transforms that it wrote.
     fn written_transforms(&self, world: &mut World) {
-        each::<&mut ProjectileState, ()>(world, |mut ball| {
-            ball.bypass_change_detection().shift_origin(self.origin);
-        });
+        each::<&mut ProjectileState, ()>(world, |mut ball| ball.shift_origin(self.origin));
         each::<&mut ProjectileRecord, Without<ChildOf>>(world, |mut record| {
             record.written.translation = self.place(record.written.translation);
         });

@@ -44,8 +44,7 @@ fn tell_shots(mut fired: MessageReader<CannonFired>, mut shots: Local<usize>) {
 }
 
 fn tell_state(world: &mut World, mut is_told: Local<bool>) {
-    let scene = world.resource::<CannonScene>().clone();
-    if *is_told || !is_over(world, &scene) {
+    if *is_told || !is_over(world, world.resource::<CannonScene>()) {
         return;
     }
     *is_told = true;

@@ -1,12 +1,11 @@
 //! The left mouse button, or a finger: on cloth it drags it. A click or a tap fires where there is no cloth.
 
-use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
 
-use crate::view::touch::TouchPlugin;
+use crate::view::touch::{BodiesUnder, TouchPlugin};
 
 /// Radius of the piece of cloth that is held, in metres.
 const HANDFUL: f32 = 0.22;
@@ -31,14 +30,11 @@ fn offer(bodies: Query<Entity, Untouched>, mut commands: Commands) {
 
 fn fire(
     buttons: Res<ButtonInput<MouseButton>>,
-    hover: Res<HoverMap>,
-    bodies: Query<(), With<Particles>>,
+    under: BodiesUnder,
     cannons: Query<Entity, With<Cannon>>,
     mut fire: MessageWriter<FireCannon>,
 ) {
-    let is_on_body =
-        hover.get(&PointerId::Mouse).is_some_and(|over| over.keys().any(|&entity| bodies.contains(entity)));
-    if buttons.just_pressed(MouseButton::Left) && !is_on_body {
+    if buttons.just_pressed(MouseButton::Left) && !under.has(PointerId::Mouse) {
         fire.write_batch(cannons.iter().map(|cannon| FireCannon { cannon }));
     }
 }

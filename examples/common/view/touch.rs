@@ -54,17 +54,26 @@ impl Press<'_, '_> {
     }
 }
 
-fn find_free(
-    touches: Res<Touches>,
-    hover: Res<HoverMap>,
-    bodies: Query<(), With<Particles>>,
-    mut free: ResMut<FreeFingers>,
-) {
+/// The bodies under pointers.
+#[derive(SystemParam)]
+pub struct BodiesUnder<'w, 's> {
+    hover: Res<'w, HoverMap>,
+    bodies: Query<'w, 's, (), With<Particles>>,
+}
+
+impl BodiesUnder<'_, '_> {
+    /// True if there is one under this pointer.
+    pub fn has(&self, pointer: PointerId) -> bool {
+        let over = self.hover.get(&pointer);
+        over.is_some_and(|over| over.keys().any(|&entity| self.bodies.contains(entity)))
+    }
+}
+
+fn find_free(touches: Res<Touches>, under: BodiesUnder, mut free: ResMut<FreeFingers>) {
     let is_known = |finger: u64| touches.get_pressed(finger).is_some() || touches.just_released(finger);
     free.0.retain(|&finger| is_known(finger));
     for touch in touches.iter_just_pressed() {
-        let over = hover.get(&PointerId::Touch(touch.id()));
-        if !over.is_some_and(|over| over.keys().any(|&entity| bodies.contains(entity))) {
+        if !under.has(PointerId::Touch(touch.id())) {
             free.0.push(touch.id());
         }
     }

@@ -110,6 +110,9 @@ impl Carried {
 
     /// The displaced position of a vertex.
     pub fn place(&self, position: Vec3) -> Vec3 {
+        if self.is_empty() {
+            return position;
+        }
         let (mut sum, mut weights, mut greatest) = (Vec3::ZERO, f32::MIN_POSITIVE, 0.0_f32);
         for carrier in &self.carriers {
             let distance = carrier.shape.distance(carrier.to_shape.transform_point3(position)).max(TOUCHING);
@@ -130,9 +133,9 @@ impl Carried {
             return;
         }
         let [before, after] = [obstacle.previous_placement(), obstacle.placement()].map(transform);
-        let seen = placement(&between(&before, &after, surface.fraction).compute_affine());
-        let drawn = placement(&(surface.to_steps * drawn.affine()));
-        let (Some(seen), Some(drawn)) = (seen, drawn) else { return };
+        let Transform { translation, rotation, .. } = between(&before, &after, surface.fraction);
+        let seen = Placement { translation, rotation };
+        let Some(drawn) = placement(&(surface.to_steps * drawn.affine())) else { return };
         // Relative to a position near by, so that the motion is exact far from the origin of the world, too.
         let [seen, drawn] =
             [seen, drawn].map(|place| Placement { translation: place.translation - surface.origin, ..place });

@@ -23,17 +23,10 @@ use crate::environment::solver_environment::SolverEnvironment;
 pub(crate) struct Candidates {
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// Entities that lost their own settings, surface, fabric or layers since the last step, or must be checked for another reason.
+    /// Entities that lost their own settings, surface, fabric or layers since the last step, or were enabled.
     lost: Vec<Entity>,
     /// Boxes of bodies and balls that vanished since the last step.
     pub left: Vec<Bounds>,
-}
-
-impl Candidates {
-    /// Checks these in the next step in any case.
-    pub fn look_at(&mut self, entities: impl Iterator<Item = Entity>) {
-        self.lost.extend(entities);
-    }
 }
 
 /// Lists active bodies and balls, and those changed since the last step; all of them if gravity, wind or

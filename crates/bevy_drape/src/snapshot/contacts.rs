@@ -6,7 +6,6 @@ use bevy::prelude::*;
 use crate::contact::contact_pairs::{ContactPair, ContactPairs};
 use crate::contact::hit::Touching;
 use crate::snapshot::key::{Key, Keys, entities, entity};
-use crate::snapshot::world::members;
 
 /// Pairs that touch, or touched a moment ago.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,13 +16,13 @@ pub(super) struct ContactSnapshot {
     pairs: Vec<(Key, Key, ContactPair)>,
 }
 
-/// Takes the touches of members with anything that has a key.
-pub(super) fn take(world: &mut World, keys: &Keys) -> ContactSnapshot {
-    let key_of: EntityHashMap<Key> = members(world).into_iter().map(|(key, entity)| (entity, key)).collect();
-    let members = entities(keys);
+/// Takes the touches of the chosen with anything.
+pub(super) fn take(world: &World, all: &Keys, chosen: &Keys) -> ContactSnapshot {
+    let key_of: EntityHashMap<Key> = all.iter().map(|&(key, entity)| (entity, key)).collect();
+    let chosen = entities(chosen);
     let pair = |(a, b): (Entity, Entity)| {
-        let is_of_members = members.contains(&a) || members.contains(&b);
-        if is_of_members { Some((*key_of.get(&a)?, *key_of.get(&b)?)) } else { None }
+        let is_of_chosen = chosen.contains(&a) || chosen.contains(&b);
+        if is_of_chosen { Some((*key_of.get(&a)?, *key_of.get(&b)?)) } else { None }
     };
     let touches = world.resource::<Touching>().iter();
     let pairs = world.resource::<ContactPairs>().iter();
@@ -33,13 +32,11 @@ pub(super) fn take(world: &mut World, keys: &Keys) -> ContactSnapshot {
     }
 }
 
-/// Restores the touches of members. Those between two others go on: neither is a member now, nor `was` one.
-pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, was: &Keys, is: &Keys) {
-    let all = members(world);
-    let named = |a, b| Some((entity(&all, a)?, entity(&all, b)?));
-    let members = [entities(was), entities(is)];
-    let is_member = |entity| members.iter().any(|members| members.contains(&entity));
-    let stays = |(a, b): (Entity, Entity)| !is_member(a) && !is_member(b);
+/// Restores the touches of the chosen, before and after the restoration. Those between two others go on.
+pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, all: &Keys, chosen: [&Keys; 2]) {
+    let named = |a, b| Some((entity(all, a)?, entity(all, b)?));
+    let chosen = entities(&chosen.concat());
+    let stays = |(a, b): (Entity, Entity)| !chosen.contains(&a) && !chosen.contains(&b);
     let touches: Vec<_> = (world.resource::<Touching>().iter().filter(|&(pair, _)| stays(pair)))
         .chain(contacts.touches.iter().filter_map(|&(a, b, until)| Some((named(a, b)?, until))))
         .collect();

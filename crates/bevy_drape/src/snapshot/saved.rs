@@ -7,7 +7,7 @@ use crate::body::body_state::CreationOrder;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::rig::components::{InRig, RigEdits};
 use crate::snapshot::key::SnapshotError;
-use crate::snapshot::world::members_of;
+use crate::snapshot::world::{chosen, members};
 use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
 
 /// The state of a running simulation, or of [a part](Self::take_of) of it.
@@ -53,7 +53,8 @@ impl Snapshot {
     /// hand-built rig matches if one of its particles does. Whatever can touch a part belongs to it, or the part does not continue
     /// with the same bits; only an obstacle that never moves may be left out.
     pub fn take_of<F: QueryFilter>(world: &mut World) -> Self {
-        let keys = members_of::<F>(world);
+        let all = members(world);
+        let keys = chosen::<F>(world, &all);
         Self {
             is_whole: false,
             world: world::take(world),
@@ -61,7 +62,7 @@ impl Snapshot {
             balls: projectiles::take(world, &keys),
             obstacles: obstacles::take(world, &keys),
             rig_particles: rigs::take(world, &keys),
-            contacts: contacts::take(world, &keys),
+            contacts: contacts::take(world, &all, &keys),
         }
     }
 
@@ -83,7 +84,8 @@ impl Snapshot {
     /// # Errors
     /// As [`restore`](Self::restore).
     pub fn restore_of<F: QueryFilter>(&self, world: &mut World) -> Result<(), SnapshotError> {
-        let keys = members_of::<F>(world);
+        let all = members(world);
+        let keys = chosen::<F>(world, &all);
         let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts, .. } = self;
         world::check(shared, world)?;
         bodies::check(bodies, world, &keys)?;
@@ -96,8 +98,9 @@ impl Snapshot {
         obstacles::restore(obstacles, world, &keys)?;
         rigs::restore(rig_particles, world, &keys);
         world::go_on_counting(shared, world);
-        let is = members_of::<F>(world);
-        contacts::restore(contacts, world, &keys, &is);
+        let all = members(world);
+        let is = chosen::<F>(world, &all);
+        contacts::restore(contacts, world, &all, [&keys, &is]);
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wind::Wind;
 use crate::rig::components::Rig;
 use crate::sleep::scene_manager::SceneManager;
-use crate::snapshot::key::{Key, SnapshotError};
+use crate::snapshot::key::{Key, Keys, SnapshotError};
 use crate::transform::interpolation::InterpolationState;
 
 /// Resources of the simulation.
@@ -105,34 +105,32 @@ fn put<R: Resource<Mutability = Mutable> + PartialEq>(world: &mut World, value: 
 /// Returns all bodies, balls and obstacles that have been stepped, sorted by their keys; also those that are
 /// [disabled](bevy::ecs::entity_disabling::Disabled).
 pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
-    members_of::<()>(world)
-}
-
-/// Returns those [members](members) that match a filter.
-pub(super) fn members_of<F: QueryFilter>(world: &mut World) -> Vec<(Key, Entity)> {
-    let chosen = world.query_filtered::<(), (F, Allow<Disabled>)>();
-    let mut bodies = world.query_filtered::<(Entity, &BodyState, Option<&Rig>), Allow<Disabled>>();
+    let mut bodies = world.query_filtered::<(Entity, &BodyState), Allow<Disabled>>();
     let mut balls = world.query_filtered::<(Entity, &ProjectileRecord), Allow<Disabled>>();
-    let chosen = chosen.query_manual(world);
     // A body that has not been stepped yet has no number.
-    let bodies = bodies.iter(world).filter(|(_, state, _)| state.order > 0);
-    let bodies = bodies.filter(|&(body, _, rig)| match rig {
-        Some(rig) => rig.particles().iter().any(|&particle| chosen.contains(particle)),
-        None => chosen.contains(body),
-    });
-    let bodies = bodies.map(|(entity, state, _)| (Key::Body(state.order), entity));
-    let balls = balls.iter(world).filter(|&(ball, _)| chosen.contains(ball));
-    let balls = balls.map(|(entity, record)| (Key::Ball(record.order), entity));
+    let bodies = bodies.iter(world).filter(|(_, state)| state.order > 0);
+    let bodies = bodies.map(|(entity, state)| (Key::Body(state.order), entity));
+    let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
     let mut members: Vec<(Key, Entity)> = bodies.chain(balls).collect();
     if let Some(solver) = world.get_resource::<SolverEnvironment>() {
         let is_there = |&(_, entity): &(u64, Entity)| world.get::<Obstacle>(entity).is_some();
         let disabled = solver.obstacles.disabled().into_iter().filter(is_there);
         let obstacles = solver.obstacles.orders_and_entities().chain(disabled);
-        let obstacles = obstacles.filter(|&(_, obstacle)| chosen.contains(obstacle));
         members.extend(obstacles.map(|(order, entity)| (Key::Obstacle(order), entity)));
     }
     members.sort_unstable_by_key(|&(key, _)| key);
     members
+}
+
+/// Returns those of the [members](members) that match a filter.
+pub(super) fn chosen<F: QueryFilter>(world: &mut World, members: &Keys) -> Vec<(Key, Entity)> {
+    let chosen = world.query_filtered::<(), (F, Allow<Disabled>)>();
+    let chosen = chosen.query_manual(world);
+    let is_chosen = |&(_, entity): &(Key, Entity)| match world.get::<Rig>(entity) {
+        Some(rig) => rig.particles().iter().any(|&particle| chosen.contains(particle)),
+        None => chosen.contains(entity),
+    };
+    members.iter().copied().filter(is_chosen).collect()
 }
 
 /// A transform as plain numbers: translation, rotation, scale.

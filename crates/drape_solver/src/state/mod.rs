@@ -36,6 +36,7 @@ pub(crate) mod layout;
 pub mod measure;
 pub mod motion_limits;
 pub mod obstacle;
+mod obstacle_flight;
 pub mod obstacle_motion;
 pub mod obstacles;
 pub(crate) mod particle_stats;
