@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::gpu::Gpu;
 use crate::source::{
-    Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
+    CROWD, Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
     small_source, surface_source, tube_source,
 };
 
@@ -31,8 +31,8 @@ pub(crate) struct Kernels {
     tile_threads: u32,
     /// Bytes of a workgroup's shared memory.
     shared: u32,
-    /// By size class, without extras and with them.
-    small_steps: [[OnceLock<wgpu::ComputePipeline>; 2]; SIZE_CLASSES.len()],
+    /// By size class, each alone and in a crowd, without extras and with them.
+    small_steps: [[[OnceLock<wgpu::ComputePipeline>; 2]; 2]; SIZE_CLASSES.len()],
     large_steps: [OnceLock<LargeKernels>; 2],
     grid_step: OnceLock<wgpu::ComputePipeline>,
 }
@@ -80,16 +80,18 @@ impl Kernels {
     /// The size class of a body of so many particles; none if it is large.
     pub fn size_class(&self, particles: u32) -> Option<usize> {
         let fits = |class: &SizeClass| {
-            let capacity = class.threads * class.per_thread;
-            particles <= capacity && capacity * POSITION + SHARED_BESIDES <= self.shared
+            particles <= class.particles && class.particles * POSITION + SHARED_BESIDES <= self.shared
         };
         SIZE_CLASSES.iter().position(fits)
     }
 
-    /// The kernel that steps small bodies of a size class.
-    pub fn small_step(&self, gpu: &Gpu, class: usize, extras: Extras) -> &wgpu::ComputePipeline {
-        self.small_steps[class][extras as usize].get_or_init(|| {
-            let module = module(gpu, "small bodies", &small_source(SIZE_CLASSES[class], extras));
+    /// The kernel that steps so many small bodies of a size class.
+    pub fn small_step(&self, gpu: &Gpu, class: usize, bodies: u32, extras: Extras) -> &wgpu::ComputePipeline {
+        let is_crowd = bodies >= CROWD;
+        self.small_steps[class][usize::from(is_crowd)][extras as usize].get_or_init(|| {
+            let SizeClass { particles, threads, threads_in_crowd } = SIZE_CLASSES[class];
+            let threads = if is_crowd { threads_in_crowd } else { threads };
+            let module = module(gpu, "small bodies", &small_source(particles, threads, extras));
             pipeline(gpu, &module, "step_body", &[&self.common, &self.small])
         })
     }

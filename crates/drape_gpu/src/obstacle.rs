@@ -1,5 +1,6 @@
 //! Obstacles, as the shaders read them.
 
+use drape_solver::glam::Vec3;
 use drape_solver::{CombineRule, Obstacle, Obstacles, Shape};
 
 use crate::distance_field::Field;
@@ -76,7 +77,13 @@ fn data(
         }
     };
     let (from, to) = (obstacle.previous_placement(), obstacle.placement());
-    let (low, high) = obstacle.swept_bounds();
+    let (mut low, mut high) = obstacle.swept_bounds();
+    if field.is_bottomless {
+        for down in [from, to].map(|place| place.rotation * Vec3::NEG_Y) {
+            low = Vec3::select(down.cmplt(Vec3::ZERO), Vec3::splat(-FAR), low);
+            high = Vec3::select(down.cmpgt(Vec3::ZERO), Vec3::splat(FAR), high);
+        }
+    }
     let (start, end) = (from.rotation.normalize(), to.rotation.normalize());
     // Opposite quaternions are the same rotation: the nearer one.
     let start = if start.dot(end) < 0.0 { -start } else { start };

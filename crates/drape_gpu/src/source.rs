@@ -12,21 +12,34 @@ pub(crate) const IMPULSE_UNITS: f32 = 1_073_741_824.0;
 /// Columns or rows on which one iteration over a grid may carry a change.
 pub(crate) const HALO: u32 = 10;
 
-/// Threads of a workgroup, and particles for each of them.
+/// Bodies that one workgroup steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SizeClass {
+    /// The most particles.
+    pub particles: u32,
+    /// Threads of a workgroup: as many as finish soonest.
     pub threads: u32,
-    pub per_thread: u32,
+    /// Threads where a [`CROWD`] of bodies waits for a place on the device: as many as need the least of it.
+    pub threads_in_crowd: u32,
+}
+
+impl SizeClass {
+    const fn new(particles: u32, threads: u32) -> Self {
+        Self { particles, threads, threads_in_crowd: threads }
+    }
 }
 
 /// Sizes of bodies that one workgroup steps, the smallest first.
 pub(crate) const SIZE_CLASSES: [SizeClass; 5] = [
-    SizeClass { threads: 64, per_thread: 1 },
-    SizeClass { threads: 64, per_thread: 2 },
-    SizeClass { threads: 128, per_thread: 2 },
-    SizeClass { threads: 256, per_thread: 2 },
-    SizeClass { threads: 256, per_thread: 4 },
+    SizeClass::new(64, 64),
+    SizeClass::new(128, 64),
+    SizeClass { threads_in_crowd: 64, ..SizeClass::new(256, 128) },
+    SizeClass::new(512, 256),
+    SizeClass::new(1024, 256),
 ];
+
+/// So many bodies of a size class fill a large GPU several times.
+pub(crate) const CROWD: u32 = 1024;
 
 /// Threads of a workgroup that steps a part of a large body.
 pub(crate) const LARGE_WORKGROUP: u32 = 256;
@@ -76,9 +89,9 @@ impl Extras {
     }
 }
 
-/// The whole source of the kernel of small bodies.
-pub(crate) fn small_source(class: SizeClass, extras: Extras) -> String {
-    let SizeClass { threads, per_thread } = class;
+/// The whole source of the kernel of bodies of up to so many particles.
+pub(crate) fn small_source(particles: u32, threads: u32, extras: Extras) -> String {
+    let per_thread = particles.div_ceil(threads);
     let sizes = format!("const WORKGROUP: u32 = {threads}u;\nconst PER_THREAD: u32 = {per_thread}u;\n");
     with_constants(&[
         &sizes,
@@ -170,8 +183,12 @@ mod tests {
     /// All sources are valid WGSL within WebGPU: nothing here needs an adapter.
     #[test]
     fn every_kernel_is_valid() {
-        let small =
-            ALL_EXTRAS.into_iter().flat_map(|extras| SIZE_CLASSES.map(|class| small_source(class, extras)));
+        let small = ALL_EXTRAS.into_iter().flat_map(|extras| {
+            SIZE_CLASSES.into_iter().flat_map(move |class| {
+                [class.threads, class.threads_in_crowd]
+                    .map(|threads| small_source(class.particles, threads, extras))
+            })
+        });
         let large = ALL_EXTRAS.map(large_source);
         let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
         for source in small.chain(large).chain(grids).chain([surface_source(), tube_source(), pin_source()]) {

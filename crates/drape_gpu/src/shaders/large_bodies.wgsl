@@ -1,10 +1,10 @@
 // Bodies too large for the memory of a workgroup: each stage of a substep is a dispatch of its own over all particles, or over all sticks
 // of a batch.
 
-// Two for each particle: position after free flight, and what may be left of an overlap; normal of the contact that presses most, and its
-// summed depth.
+// In the first half, for each particle its position after free flight, and what may be left of an overlap. In the second half the normal of the
+// contact that presses most, and its summed depth, which have no meaning as long as no obstacle presses.
 @group(1) @binding(1) var<storage, read_write> flights: array<vec4f>;
-// Acceleration, and the obstacle that presses most. Of a pin, its way in a substep.
+// Acceleration, and the obstacle that presses most or -1. Of a pin, its way in a substep.
 @group(1) @binding(2) var<storage, read_write> accelerations: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> statuses: array<Status>;
 @group(1) @binding(4) var<storage, read_write> reactions: array<atomic<u32>>;
@@ -43,7 +43,7 @@ fn begin(invocation: Invocation) {
             acceleration += air_acceleration(body, index);
         }
     }
-    accelerations[particle] = vec4f(acceleration, 0.0);
+    accelerations[particle] = vec4f(acceleration, -1.0);
 }
 
 var<workgroup> drift_sum: array<atomic<i32>, 3>;
@@ -60,7 +60,7 @@ fn note_drift(invocation: Invocation) {
     workgroupBarrier();
     if index < body.particle_count {
         let place = positions[body.first_particle + index];
-        let part = drift_by(place.xyz - flights[2u * (body.first_particle + index)].xyz, place.w, body);
+        let part = drift_by(place.xyz - flights[body.first_particle + index].xyz, place.w, body);
         for (var axis = 0u; axis < 3u; axis++) {
             atomicAdd(&drift_sum[axis], part[axis]);
         }
@@ -80,22 +80,33 @@ fn note_drift(invocation: Invocation) {
 fn search(position: vec3f, way: f32, thread: u32, body: Body) {
     clear_near(thread);
     workgroupBarrier();
-    include(position, way);
+    include(position, way, thread);
+    workgroupBarrier();
+    merge_lanes(thread);
     workgroupBarrier();
     find_near(thread, body);
     workgroupBarrier();
 }
 
-fn flight_of(particle: u32, displacement: vec3f) -> Flight {
-    let flown = flights[2u * particle];
-    let contact = flights[2u * particle + 1u];
-    return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, u32(accelerations[particle].w));
+// `pressing` is the obstacle that presses most or -1.
+fn flight_of(particle: u32, displacement: vec3f, pressing: f32) -> Flight {
+    let flown = flights[particle];
+    if pressing < 0.0 {
+        return Flight(displacement, flown.w, flown.xyz, 0.0, vec3f(0.0), NONE);
+    }
+    let contact = flights[arrayLength(&flights) / 2u + particle];
+    return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, u32(pressing));
 }
 
-fn keep(particle: u32, flight: Flight) {
-    flights[2u * particle] = vec4f(flight.integrated, flight.left);
-    flights[2u * particle + 1u] = vec4f(flight.normal, flight.depth);
-    accelerations[particle].w = f32(flight.obstacle);
+// `pressing` is what was kept before.
+fn keep(particle: u32, flight: Flight, pressing: f32) {
+    flights[particle] = vec4f(flight.integrated, flight.left);
+    if flight.obstacle != NONE {
+        flights[arrayLength(&flights) / 2u + particle] = vec4f(flight.normal, flight.depth);
+        accelerations[particle].w = f32(flight.obstacle);
+    } else if pressing >= 0.0 {
+        accelerations[particle].w = -1.0;
+    }
 }
 
 // Ends a substep (contacts, displacements, friction), begins the next one (free flight, contacts), or does both.
@@ -108,7 +119,8 @@ fn advance(invocation: Invocation) {
     let has_obstacles = step.obstacle_count > 0u;
     let place = positions[particle];
     let is_free = place.w > 0.0;
-    let acceleration = accelerations[particle].xyz;
+    let kept = accelerations[particle];
+    let acceleration = kept.xyz;
     var position = place.xyz;
     var flight: Flight;
     let rescale = select(1.0, body.rescale, dispatch.substep == 0u);
@@ -121,10 +133,12 @@ fn advance(invocation: Invocation) {
     let is_there = index < body.particle_count;
     if is_there && dispatch.ends != 0u && is_free {
         if has_obstacles {
-            flight = flight_of(particle, flight.displacement);
-            position = pushed_out_of_near(position, place.w, body, dispatch.substep - 1u, &flight);
+            flight = flight_of(particle, flight.displacement, kept.w);
+            if is_at_any(position, body) {
+                position = pushed_out_of_near(position, place.w, body, dispatch.substep - 1u, &flight);
+            }
         } else {
-            flight.integrated = flights[2u * particle].xyz;
+            flight.integrated = flights[particle].xyz;
         }
         let even = 3u * ((dispatch.substep - 1u) % 2u);
         let drift = vec3i(
@@ -140,7 +154,7 @@ fn advance(invocation: Invocation) {
         }
         if !(is_finite(position) && is_finite(flight.displacement)) {
             // It rests where free flight had taken it, so that the fault does not spread.
-            position = flights[2u * particle].xyz;
+            position = flights[particle].xyz;
             flight.displacement = vec3f(0.0);
             atomicStore(&statuses[dispatch.body].is_broken, 1u);
         }
@@ -159,15 +173,11 @@ fn advance(invocation: Invocation) {
         flight.left = -1.0;
         flight.depth = 0.0;
         flight.normal = vec3f(0.0);
-        flight.obstacle = 0u;
-        if has_obstacles && is_free {
+        flight.obstacle = NONE;
+        if has_obstacles && is_free && is_at_any(position, body) {
             position = pushed_out_of_near(position, place.w, body, dispatch.substep, &flight);
         }
-        if has_obstacles {
-            keep(particle, flight);
-        } else {
-            flights[2u * particle] = vec4f(flight.integrated, -1.0);
-        }
+        keep(particle, flight, kept.w);
     }
     if is_there {
         positions[particle] = vec4f(position, place.w);
@@ -178,13 +188,15 @@ fn advance(invocation: Invocation) {
         clear_near(thread);
         workgroupBarrier();
         if is_there {
-            include(position, 0.0);
+            include(position, 0.0, thread);
             atomicMax(&fastest, bitcast<u32>(dot(flight.displacement, flight.displacement)));
         }
         workgroupBarrier();
+        merge_lanes(thread);
+        workgroupBarrier();
         if thread < 3u {
-            atomicMin(&statuses[dispatch.body].low[thread], atomicLoad(&low[thread]));
-            atomicMax(&statuses[dispatch.body].high[thread], atomicLoad(&high[thread]));
+            atomicMin(&statuses[dispatch.body].low[thread], atomicLoad(&low[thread * LANES]));
+            atomicMax(&statuses[dispatch.body].high[thread], atomicLoad(&high[thread * LANES]));
             atomicMax(&statuses[dispatch.body].fastest, atomicLoad(&fastest));
         }
     }
@@ -199,12 +211,13 @@ fn project_contacts(invocation: Invocation) {
     let particle = body.first_particle + min(index, body.particle_count - 1u);
     let place = positions[particle];
     search(place.xyz, body.thickness, thread, body);
-    if index >= body.particle_count || place.w == 0.0 {
+    if index >= body.particle_count || place.w == 0.0 || !is_at_any(place.xyz, body) {
         return;
     }
-    var flight = flight_of(particle, displacements[particle].xyz);
+    let pressing = accelerations[particle].w;
+    var flight = flight_of(particle, displacements[particle].xyz, pressing);
     let position = pushed_out_of_near(place.xyz, place.w, body, dispatch.substep, &flight);
-    keep(particle, flight);
+    keep(particle, flight, pressing);
     positions[particle] = vec4f(position, place.w);
     displacements[particle] = vec4f(flight.displacement, 0.0);
 }

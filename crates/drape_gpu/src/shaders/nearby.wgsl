@@ -1,19 +1,21 @@
 // The obstacles that the particles of a workgroup may touch in a step.
 
 const OBSTACLE_WORDS: u32 = {OBSTACLE_WORDS};
-// Metres.
-const CONTACT_MARGIN: f32 = {CONTACT_MARGIN};
 
-// Least and greatest coordinates of the workgroup's particles, as ordered integers; bits of the square of their greatest displacement.
-var<workgroup> low: array<atomic<u32>, 3>;
-var<workgroup> high: array<atomic<u32>, 3>;
+// Threads side by side change places side by side: at one place they would wait for each other.
+const LANES: u32 = 8u;
+
+// Least and greatest coordinates of the workgroup's particles, as ordered integers in lanes for each axis; bits of the square of their
+// greatest displacement.
+var<workgroup> low: array<atomic<u32>, 3u * LANES>;
+var<workgroup> high: array<atomic<u32>, 3u * LANES>;
 var<workgroup> fastest: atomic<u32>;
 var<workgroup> is_broken: atomic<u32>;
 var<workgroup> near: array<atomic<u32>, OBSTACLE_WORDS>;
 
 // To be called before a barrier.
 fn clear_near(thread: u32) {
-    if thread < 3u {
+    if thread < 3u * LANES {
         atomicStore(&low[thread], 0xffffffffu);
         atomicStore(&high[thread], 0u);
     }
@@ -27,10 +29,20 @@ fn clear_near(thread: u32) {
 }
 
 // Widens the box by a particle that may move so far in the step.
-fn include(position: vec3f, way: f32) {
+fn include(position: vec3f, way: f32, thread: u32) {
     for (var axis = 0u; axis < 3u; axis++) {
-        atomicMin(&low[axis], ordered(position[axis] - way));
-        atomicMax(&high[axis], ordered(position[axis] + way));
+        let place = axis * LANES + thread % LANES;
+        atomicMin(&low[place], ordered(position[axis] - way));
+        atomicMax(&high[place], ordered(position[axis] + way));
+    }
+}
+
+// Leaves the box in the first lane of each axis. To be called between two barriers.
+fn merge_lanes(thread: u32) {
+    if thread < 3u * LANES && thread % LANES != 0u {
+        let first = thread / LANES * LANES;
+        atomicMin(&low[first], atomicLoad(&low[thread]));
+        atomicMax(&high[first], atomicLoad(&high[thread]));
     }
 }
 
@@ -40,12 +52,17 @@ fn reach(displacement: vec3f, body: Body) -> f32 {
     return 2.0 * speed * step.duration + body.thickness + CONTACT_MARGIN;
 }
 
-// To be called between two barriers after all particles were included.
+// To be called between two barriers after lanes were merged.
 fn find_near(thread: u32, body: Body) {
-    let least = body.origin + vec3f(
-        unordered(atomicLoad(&low[0])), unordered(atomicLoad(&low[1])), unordered(atomicLoad(&low[2])));
-    let greatest = body.origin + vec3f(
-        unordered(atomicLoad(&high[0])), unordered(atomicLoad(&high[1])), unordered(atomicLoad(&high[2])));
+    if thread >= step.obstacle_count {
+        return;
+    }
+    var least: vec3f;
+    var greatest: vec3f;
+    for (var axis = 0u; axis < 3u; axis++) {
+        least[axis] = body.origin[axis] + unordered(atomicLoad(&low[axis * LANES]));
+        greatest[axis] = body.origin[axis] + unordered(atomicLoad(&high[axis * LANES]));
+    }
     for (var i = thread; i < step.obstacle_count; i += WORKGROUP) {
         let obstacle = obstacles[i];
         let is_apart = any(obstacle.low > greatest) || any(obstacle.high < least);
@@ -53,6 +70,22 @@ fn find_near(thread: u32, body: Body) {
             atomicOr(&near[i / 32u], 1u << (i % 32u));
         }
     }
+}
+
+// True if a position may touch one of the near obstacles.
+fn is_at_any(position: vec3f, body: Body) -> bool {
+    let word_count = (step.obstacle_count + 31u) / 32u;
+    for (var word = 0u; word < word_count; word++) {
+        var bits = atomicLoad(&near[word]);
+        while bits != 0u {
+            let bit = firstTrailingBit(bits);
+            bits &= bits - 1u;
+            if is_at(position, 32u * word + bit, body) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 // Moves a particle out of all near obstacles, in their order. Returns the position.

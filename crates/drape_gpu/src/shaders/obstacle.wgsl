@@ -11,6 +11,8 @@ const FIELD: u32 = 6u;
 
 // Overlaps of less than so many metres at the start of a substep count as none.
 const LEAST_OVERLAP: f32 = {LEAST_OVERLAP};
+// Metres around boxes within which contacts are looked for.
+const CONTACT_MARGIN: f32 = {CONTACT_MARGIN};
 // Speed in m/s at which an overlap that no motion made is taken out at least.
 const PUSH_OUT_SPEED: f32 = {PUSH_OUT_SPEED};
 // Seconds.
@@ -168,6 +170,7 @@ struct Flight {
     // Depth in the obstacle that presses most, as far as motion made it, summed over the projections of the substep.
     depth: f32,
     normal: vec3f,
+    // `NONE` until one presses.
     obstacle: u32,
 }
 
@@ -177,6 +180,13 @@ fn left_of(initial: f32, body: Body, substep: u32) -> f32 {
     let is_short = body.substep * f32(body.substeps) < 0.999 * REFERENCE_STEP;
     let spread = select(rest, max(rest, REFERENCE_STEP / body.substep), is_short);
     return max(min(initial - initial / spread, initial - PUSH_OUT_SPEED * body.substep), 0.0);
+}
+
+// False if the particle is beside the box of an obstacle, as most are: the box is read much faster than the rest of it.
+fn is_at(position: vec3f, index: u32, body: Body) -> bool {
+    let margin = body.thickness + CONTACT_MARGIN;
+    let place = position + body.origin;
+    return all(place + margin >= obstacles[index].low) && all(place - margin <= obstacles[index].high);
 }
 
 // Moves a particle out of an obstacle, along the normal to the nearest point of its surface. Returns the position.

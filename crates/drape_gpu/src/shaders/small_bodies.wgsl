@@ -78,9 +78,11 @@ fn step_body(
             } else if step.is_windy != 0u {
                 accelerations[k] += air_acceleration(body, index);
             }
-            include(place.xyz, reach(flights[k].displacement, body));
+            include(place.xyz, reach(flights[k].displacement, body), thread);
         }
     }
+    workgroupBarrier();
+    merge_lanes(thread);
     workgroupBarrier();
     find_near(thread, body);
     workgroupBarrier();
@@ -96,6 +98,7 @@ fn step_body(
                 flights[k].integrated = place.xyz + flights[k].displacement;
                 flights[k].depth = 0.0;
                 flights[k].left = -1.0;
+                flights[k].obstacle = NONE;
                 places[index] = vec4f(flights[k].integrated, place.w);
             }
         }
@@ -165,17 +168,19 @@ fn step_body(
                 positions[body.first_particle + index] = place;
             }
             displacements[body.first_particle + index] = vec4f(displacement, 0.0);
-            include(place.xyz, 0.0);
+            include(place.xyz, 0.0, thread);
             atomicMax(&fastest, bitcast<u32>(dot(displacement, displacement)));
         }
     }
+    workgroupBarrier();
+    merge_lanes(thread);
     workgroupBarrier();
     if thread == 0u {
         atomicStore(&statuses[number].is_broken, u32(stays));
     }
     if thread < 3u {
-        atomicStore(&statuses[number].low[thread], atomicLoad(&low[thread]));
-        atomicStore(&statuses[number].high[thread], atomicLoad(&high[thread]));
+        atomicStore(&statuses[number].low[thread], atomicLoad(&low[thread * LANES]));
+        atomicStore(&statuses[number].high[thread], atomicLoad(&high[thread * LANES]));
         atomicStore(&statuses[number].fastest, atomicLoad(&fastest));
     }
 }

@@ -449,7 +449,7 @@ impl GpuWorld {
             timestamp_writes: self.timer.as_ref().map(Timer::writes),
         });
         for (class, &count) in self.class_counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-            pass.set_pipeline(kernels.small_step(gpu, class, extras));
+            pass.set_pipeline(kernels.small_step(gpu, class, count, extras));
             pass.set_bind_group(0, &groups.common[0], &[]);
             pass.set_bind_group(1, &groups.small[class], &[]);
             let [across, down] = spread(count);

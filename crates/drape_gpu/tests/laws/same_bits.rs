@@ -54,6 +54,23 @@ fn two_runs_give_the_same_bits() {
     }
 }
 
+/// Thousands of bodies are stepped by smaller workgroups than a few: each moves as it does alone.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_crowd_moves_as_each_would_alone() {
+    let settings = BodySettings { substeps: 2, ..BodySettings::default() };
+    let flag = ClothBuilder::new(1.0, 1.0, 14, 14).pin_edge(Edge::Left).build(settings).expect("valid");
+    let (mut alone, one) = world_of(&flag);
+    run(&mut alone, &stormy(), 5);
+    let mut world = GpuWorld::new(gpu());
+    let crowd: Vec<_> = (0..1100).map(|_| world.add(&flag).expect("a body")).collect();
+    run(&mut world, &stormy(), 5);
+    let expected = positions(&alone, one);
+    for id in [crowd[0], crowd[550], crowd[1099]] {
+        assert_eq!(positions(&world, id), expected);
+    }
+}
+
 /// Bodies that come and go in the middle leave the others alone.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
