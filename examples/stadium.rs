@@ -1,13 +1,16 @@
-//! Ten thousand flags in a gusty wind (a thousand in a picture), solved on the GPU and drawn from there, and a wave that goes round the stands.
+//! Ten thousand flags in a gusty wind (a thousand without a graphics card), solved on the GPU and drawn from there, and a wave that goes round
+//! the stands.
 //!
 //! `cargo run --release --example stadium --features window`; `--picture FILE` draws a picture with `--features render`. The slider, or the keys
 //! 1 to 9 and 0, choose the number of flags.
 
 use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy_drape::environment::Gusts;
 use bevy_drape::gpu::SolveOnGpu;
 use bevy_drape::prelude::*;
 use drape_examples::feature::Feature;
+use wgpu::DeviceType;
 
 /// The example.
 pub const FEATURE: Feature = Feature {
@@ -17,10 +20,8 @@ pub const FEATURE: Feature = Feature {
     target: Vec3::new(-18.0, 3.4, -24.0),
     picture_time: 1.2,
     build: |app| {
-        // A picture may be drawn in software, where each flag takes milliseconds.
-        let count = if cfg!(feature = "window") { MOST } else { 1_000 };
-        app.insert_resource(FlagCount(count))
-            .add_systems(Startup, setup)
+        app.insert_resource(FlagCount(1_000))
+            .add_systems(Startup, (setup, fill))
             .add_systems(Update, (count_flags, choose));
         #[cfg(feature = "window")]
         app.add_plugins(slider::FlagSliderPlugin);
@@ -66,6 +67,13 @@ struct Looks {
     pole: Mesh3d,
     wood: MeshMaterial3d<StandardMaterial>,
     fabrics: [MeshMaterial3d<StandardMaterial>; 4],
+}
+
+/// Raises all flags where there is a graphics card: in software each takes milliseconds.
+fn fill(mut count: ResMut<FlagCount>, adapter: Option<Res<RenderAdapterInfo>>) {
+    if adapter.is_some_and(|adapter| adapter.device_type != DeviceType::Cpu) {
+        count.0 = MOST;
+    }
 }
 
 fn setup(
