@@ -38,7 +38,7 @@ fn setup(mut commands: Commands) {
     let place = Transform::from_xyz(0.0, 1.4, 0.0);
     commands.spawn((curtain, fabric, passes, PlaneLock::default(), Paint::rgb(0.25, 0.45, 0.70), place));
     // Its middle is in the plane: what it pushes stays there.
-    commands.spawn((Disc, Obstacle::sphere(0.2), Transform::from_xyz(-1.4, 0.9, 0.0)));
+    commands.spawn((Disc, Obstacle::sphere(0.16), Transform::from_xyz(-1.4, 0.78, 0.0)));
 }
 
 fn swing(time: Res<Time>, mut discs: Query<&mut Transform, With<Disc>>) {

@@ -59,7 +59,7 @@ fn setup(mut commands: Commands) {
 /// The place of a boat, which rolls, rises and drifts.
 fn place_of(side: f32, seconds: f32) -> Transform {
     let x = side * (FARTHEST - 0.12 * (1.0 - seconds.cos()));
-    let y = 0.12 + 0.10 * (1.6 * seconds).sin() * side;
+    let y = 0.02 + 0.10 * (1.6 * seconds).sin() * side;
     let roll = 0.12 * (1.6 * seconds).sin();
     Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(roll))
 }

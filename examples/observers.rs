@@ -15,8 +15,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Sheets that turn red when they touch something, and blue when they sleep",
     controls: "",
-    eye: Vec3::new(0.9, 1.6, 5.3),
-    target: Vec3::new(0.35, 0.66, 0.0),
+    eye: Vec3::new(1.6, 1.7, 4.3),
+    target: Vec3::new(0.45, 0.6, 0.0),
     picture_time: 3.2,
     build: |app| {
         app.add_systems(Startup, setup);
@@ -35,7 +35,7 @@ pub fn main() -> std::process::ExitCode {
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
     // The higher a sheet hangs, the later it lands.
-    for (place, height) in [0.75, 1.0, 2.0, 12.5, 14.4].into_iter().enumerate() {
+    for (place, height) in [0.75, 1.0, 2.0, 12.5, 13.6].into_iter().enumerate() {
         let x = 1.3 * (place as f32 - 2.0);
         commands.spawn((Obstacle::sphere(0.32), Transform::from_xyz(x, 0.32, 0.0)));
         let sheet = Cloth::new(1.0, 1.0).with_spacing(0.03).with_pins(ClothPins::None);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Silk, cotton, denim, leather, rubber, net, chain",
     controls: "",
-    eye: Vec3::new(3.4, 1.2, 2.4),
-    target: Vec3::new(1.31, 0.5, 0.0),
+    eye: Vec3::new(3.3, 1.45, 2.3),
+    target: Vec3::new(1.25, 0.55, 0.0),
     picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup);
@@ -39,7 +39,8 @@ fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
     for (place, (fabric, paint)) in MATERIALS.into_iter().enumerate() {
         let x = 0.95 * (place as f32 - 3.0);
-        commands.spawn((Obstacle::capsule(0.16, 0.5), Transform::from_xyz(x, 0.6, 0.0)));
+        // Its foot is in the ground.
+        commands.spawn((Obstacle::capsule(0.16, 1.0), Transform::from_xyz(x, 0.35, 0.0)));
         // Flat, above the post.
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         commands.spawn((

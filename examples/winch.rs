@@ -12,8 +12,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A winch with ten kilograms on its rope",
     controls: "",
-    eye: Vec3::new(1.05, 1.75, 2.0),
-    target: Vec3::new(-0.12, 1.72, 0.0),
+    eye: Vec3::new(1.5, 1.6, 3.1),
+    target: Vec3::new(-0.1, 1.35, 0.0),
     picture_time: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, turn);
@@ -36,7 +36,7 @@ fn setup(mut commands: Commands) {
     let load = (Obstacle::cuboid(0.24, 0.24, 0.24), DrapeLayers::new(0, 0), Paint::rgb(0.35, 0.35, 0.38));
     commands.spawn((load, FollowParticle::last(rope).with_offset(Vec3::NEG_Y * 0.12)));
     let beam = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
-    commands.spawn((Obstacle::capsule(0.05, 2.4), Transform::from_xyz(-0.6, 1.2, 0.0)));
+    commands.spawn((Obstacle::capsule(0.05, 2.4), Transform::from_xyz(-0.6, 1.28, 0.0)));
     commands.spawn((Obstacle::capsule(0.05, 0.7), Transform::from_xyz(-0.25, 2.48, 0.0).with_rotation(beam)));
 }
 

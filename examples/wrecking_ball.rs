@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A wrecking ball drags a crate along",
     controls: "",
-    eye: Vec3::new(-1.5, 1.6, 3.6),
-    target: Vec3::new(-0.05, 1.5, 0.0),
+    eye: Vec3::new(-1.9, 1.9, 4.3),
+    target: Vec3::new(0.05, 1.5, 0.0),
     picture_time: 0.95,
     build: |app| {
         app.add_systems(Startup, setup);

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::gpu::Gpu;
 use crate::source::{
-    CROWD, Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
-    small_source, surface_source, tube_source,
+    CROWD, Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source,
+    pin_source, small_source, surface_source, tube_source,
 };
 
 /// Bytes of shared memory that a kernel needs besides positions.

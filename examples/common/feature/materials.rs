@@ -149,11 +149,14 @@ fn add_obstacle_meshes(
     }
 }
 
+/// Length of the cords of a rail in metres.
+const CORD: f32 = 10.0;
+
 /// Marks cloth that has been looked at for a rail.
 #[derive(Component)]
 struct IsHung;
 
-/// Draws the rail that a curtain hangs from. Where there are ropes, it hangs from what the scene has.
+/// Draws the rail that a curtain hangs from, and the two cords that hold it. Where there are ropes, it hangs from what the scene has.
 fn add_rails(
     cloths: Query<(Entity, &Cloth), Without<IsHung>>,
     ropes: Query<(), With<Rope>>,
@@ -177,7 +180,15 @@ fn add_rails(
         };
         let along_top =
             Transform::from_xyz(0.0, 0.5 * cloth.size.y, 0.0).with_rotation(Quat::from_rotation_z(FRAC_PI_2));
-        parent.with_child((Mesh3d(meshes.add(rail)), MeshMaterial3d(materials.add(iron)), along_top));
+        // They end above the picture.
+        let cord = Mesh3d(meshes.add(Cylinder::new(0.3 * radius, CORD).mesh().resolution(8)));
+        let iron = MeshMaterial3d(materials.add(iron));
+        let above = 0.5 * (cloth.size.y + CORD);
+        let [left, right] = [-0.4, 0.4].map(|part| Transform::from_xyz(part * cloth.size.x, above, 0.0));
+        parent
+            .with_child((Mesh3d(meshes.add(rail)), iron.clone(), along_top))
+            .with_child((cord.clone(), iron.clone(), left))
+            .with_child((cord, iron, right));
     }
 }
 

@@ -18,6 +18,9 @@ pub const RADIUS: f32 = 0.012;
 /// Colour of tubes.
 pub const COLOUR: Color = Color::srgb(0.55, 0.40, 0.26);
 
+/// Colours by which several such bodies are told apart.
+const COLOURS: [Color; 3] = [COLOUR, Color::srgb(0.62, 0.24, 0.20), Color::srgb(0.22, 0.38, 0.58)];
+
 /// Draws every body without a surface.
 pub struct TubesPlugin;
 
@@ -89,15 +92,18 @@ fn spawn_tubes(
     bodies: Query<(Entity, &Sticks), (Without<HasTubes>, Without<RigidTetrahedron>, Without<RopeMesh>)>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
+    mut colours: Local<usize>,
     mut commands: Commands,
 ) {
     for (entity, sticks) in &bodies {
         commands.entity(entity).insert(HasTubes);
         if sticks.faces().is_empty() {
+            let base_color = COLOURS[*colours % COLOURS.len()];
+            *colours += 1;
             commands.spawn((
                 TubesOf(entity),
                 Mesh3d(meshes.add(empty())),
-                MeshMaterial3d(materials.add(material())),
+                MeshMaterial3d(materials.add(StandardMaterial { base_color, ..material() })),
                 // Its bounds change with every step.
                 NoFrustumCulling,
             ));
