@@ -17,13 +17,13 @@ const TYPES = {
 // Chromium without a graphics card.
 const SOFTWARE = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 const DESKTOP = { viewport: { width: 1280, height: 720 } };
-// Small, as there are many examples to draw, with room for the sliders.
-const SHOWCASE = { viewport: { width: 800, height: 500 } };
+// As small as can be looked at: there are many examples to draw.
+const SMALL = { viewport: { width: 480, height: 360 } };
 const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
 // Milliseconds that software may take to draw, and to simulate the demo.
 const PATIENCE = 600_000;
 // Frames after which an example has what it loads, and moves.
-const FRAMES = 10;
+const FRAMES = 6;
 // Folder of the site on its server, as on GitHub Pages: no address may be absolute.
 const FOLDER = '/bevy_drape/';
 
@@ -114,10 +114,12 @@ async function picture(page, name) {
     await page.screenshot({ path: join(pictures, `${name}.png`) });
 }
 
-async function frames(page, count) {
-    for (; count > 0; count -= 1) {
-        await page.evaluate(() => new Promise(requestAnimationFrame));
-    }
+function frames(page, count) {
+    return page.evaluate(async (count) => {
+        for (; count > 0; count -= 1) {
+            await new Promise(requestAnimationFrame);
+        }
+    }, count);
 }
 
 async function shots(page, count) {
@@ -141,7 +143,7 @@ async function cannon(root, device, name) {
 
 // The planned shots end in the same bits as on any other machine.
 async function planned(root) {
-    const opened = await open({ viewport: { width: 480, height: 320 } }, `${root}cannon.html?shots=5`);
+    const opened = await open(SMALL, `${root}cannon.html?shots=5`);
     const { page } = opened;
     await drawn(opened);
     await page.waitForFunction(() => document.querySelector('#state-hash').textContent !== '-');
@@ -195,7 +197,8 @@ try {
     await cannon(root, DESKTOP, 'desktop');
     await cannon(root, PHONE, 'phone');
     await planned(root);
-    const examples = await showcase(root, SHOWCASE, 'desktop');
+    const examples = await showcase(root, SMALL, 'small');
+    await showcase(root, DESKTOP, 'desktop', ['flag', 'cape_gltf']);
     await showcase(root, PHONE, 'phone', ['flag', 'drape']);
     await overview(root, examples);
     console.log(`${examples.length + 1} programs and pages without an error`);
