@@ -15,6 +15,7 @@ use drape_solver::state::measure;
 use crate::cannon_demo::controls::{Blowing, ClothView};
 use crate::cannon_demo::scene::Curtain;
 use crate::view::IN_PAGE;
+use crate::view::text_panel::layout;
 
 const HELP: &str = "\
 arrows, WASD      aim                    V  wind
@@ -53,13 +54,14 @@ struct Rates {
 }
 
 fn spawn(mut commands: Commands) {
+    let (layout, max_width) = layout();
     let panel = |node: Node| {
         let font = TextFont { font_size: 15.0.into(), ..default() };
         (
-            Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), ..node },
+            Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), max_width, ..node },
             BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6)),
             font,
-            if IN_PAGE { TextLayout::default() } else { TextLayout::no_wrap() },
+            layout,
             TextColor(Color::srgb(0.95, 0.95, 0.92)),
         )
     };

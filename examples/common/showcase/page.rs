@@ -4,17 +4,17 @@ use bevy::prelude::*;
 
 use crate::showcase::panel::Sliders;
 use crate::showcase::selection::Showcase;
-use crate::view::page::{fragment, set_fragment};
+use crate::view::page::{fragment, mark, set_fragment};
 
 /// Width of a window in pixels from which there is room for sliders.
 const ROOM: f32 = 700.0;
 
-/// Follows the address, and hides sliders from a narrow window.
+/// Follows the address, marks the page with the name of the example that has begun, and hides sliders from a narrow window.
 pub struct ShowcasePagePlugin;
 
 impl Plugin for ShowcasePagePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Update, (follow_address, hide_sliders));
+        app.add_systems(Update, ((tell_example, follow_address).chain(), hide_sliders));
     }
 }
 
@@ -33,6 +33,13 @@ fn follow_address(mut showcase: ResMut<Showcase>, mut known: Local<String>) {
         showcase.is_due = true;
     }
     *known = wanted;
+}
+
+fn tell_example(showcase: Res<Showcase>, mut told: Local<Option<usize>>) {
+    if !showcase.is_due && *told != Some(showcase.current) {
+        *told = Some(showcase.current);
+        mark("data-example", showcase.features[showcase.current].0);
+    }
 }
 
 fn hide_sliders(

@@ -15,6 +15,7 @@ use crate::feature::picture::FIELD_OF_VIEW;
 use crate::showcase::film::FrameRecorderPlugin;
 use crate::showcase::panel::ShowcasePanelPlugin;
 use crate::showcase::selection::Showcase;
+use crate::view::IN_PAGE;
 use crate::view::clock_keys::control_clock;
 use crate::view::orbit::Orbit;
 use crate::view::pointer::PointerPlugin;
@@ -36,7 +37,7 @@ struct Stays;
 /// `WindowError` if there is no display, or nothing to draw with.
 pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowError> {
     let mut app = bare_app("bevy_drape: showcase")?;
-    app.add_plugins((FeatureMaterialsPlugin, PointerPlugin, ShowcasePanelPlugin, FrameRecorderPlugin))
+    app.add_plugins((FeatureMaterialsPlugin, PointerPlugin, ShowcasePanelPlugin))
         .insert_resource(Showcase { features, current: 0, is_due: true })
         .init_resource::<Playing>()
         .add_systems(PostStartup, keep)
@@ -45,6 +46,10 @@ pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowEr
         .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
         .add_systems(Update, |world: &mut World| play(world, Update.intern()))
         .add_systems(Update, (control_clock, control));
+    // A page has no folder for films.
+    if !IN_PAGE {
+        app.add_plugins(FrameRecorderPlugin);
+    }
     #[cfg(all(feature = "web", target_family = "wasm"))]
     app.add_plugins(crate::showcase::page::ShowcasePagePlugin);
     app.run();

@@ -9,15 +9,19 @@ use bevy::ui::UiScale;
 const FULL_WIDTH: f32 = 500.0;
 /// Smallest size of texts, as a part of their full size.
 const SMALLEST: f32 = 0.75;
+/// Vertical angle of view in radians of a wide window.
+const FIELD_OF_VIEW: f32 = 0.7;
+/// Width of a window, as a part of its height, from which it is wide.
+const WIDE: f32 = 1.2;
 /// Frames without a shader to compile, after which the picture is whole.
 const CALM_FRAMES: u32 = 3;
 
-/// Tells the page when there is a picture, and makes texts fit into a narrow window.
+/// Tells the page when there is a picture, and makes scenes and texts fit into a narrow window.
 pub struct PagePlugin;
 
 impl Plugin for PagePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Update, fit_texts);
+        app.add_systems(Update, (fit_view, fit_texts));
         if let Some(renderer) = app.get_sub_app_mut(RenderApp) {
             renderer.add_systems(Render, tell_picture.after(RenderSystems::Render));
         }
@@ -64,6 +68,14 @@ pub fn show(id: &str, text: &str) {
     }
 }
 
+/// Gives the page's root an attribute.
+pub fn mark(name: &str, value: &str) {
+    if let Some(root) = document().and_then(|document| document.document_element()) {
+        // It fails only for names that no attribute can have.
+        root.set_attribute(name, value).ok();
+    }
+}
+
 /// Marks the page as `data-drawn` once nothing is missing in the picture.
 fn tell_picture(pipelines: Res<PipelineCache>, mut calm: Local<u32>) {
     if *calm == CALM_FRAMES {
@@ -71,11 +83,22 @@ fn tell_picture(pipelines: Res<PipelineCache>, mut calm: Local<u32>) {
     }
     let is_calm = pipelines.pipelines().next().is_some() && pipelines.waiting_pipelines().next().is_none();
     *calm = if is_calm { *calm + 1 } else { 0 };
-    if *calm == CALM_FRAMES
-        && let Some(root) = document().and_then(|document| document.document_element())
-    {
-        // It fails only for names that no attribute can have.
-        root.set_attribute("data-drawn", "").ok();
+    if *calm == CALM_FRAMES {
+        mark("data-drawn", "");
+    }
+}
+
+/// Shows as much across a narrow window as across the narrowest of the wide ones.
+fn fit_view(windows: Query<&Window>, mut cameras: Query<&mut Projection>) {
+    let height =
+        windows.iter().map(|window| WIDE * window.height() / window.width().max(1.0)).fold(1.0, f32::max);
+    let wanted = 2.0 * (height * (0.5 * FIELD_OF_VIEW).tan()).atan();
+    for mut projection in &mut cameras {
+        let is_due =
+            matches!(&*projection, Projection::Perspective(perspective) if perspective.fov != wanted);
+        if is_due && let Projection::Perspective(perspective) = &mut *projection {
+            perspective.fov = wanted;
+        }
     }
 }
 

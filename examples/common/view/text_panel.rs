@@ -23,6 +23,11 @@ impl TextPanel {
     }
 }
 
+/// How texts are laid out, and how wide their panels can be: in a page they have to fit into a narrow window.
+pub(crate) fn layout() -> (TextLayout, Val) {
+    if IN_PAGE { (TextLayout::default(), percent(94)) } else { (TextLayout::no_wrap(), Val::Auto) }
+}
+
 #[derive(Component)]
 pub(crate) enum Line {
     State,
@@ -31,15 +36,16 @@ pub(crate) enum Line {
 
 /// Spawns the texts.
 pub fn spawn_panel(mut commands: Commands) {
+    let (layout, max_width) = layout();
     let panel = |line: Line, node: Node| {
         (
             line,
             Text::default(),
             TextFont { font_size: 15.0.into(), ..default() },
-            if IN_PAGE { TextLayout::default() } else { TextLayout::no_wrap() },
+            layout,
             TextColor(Color::srgb(0.95, 0.95, 0.92)),
             BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6)),
-            Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), ..node },
+            Node { position_type: PositionType::Absolute, padding: UiRect::all(px(8)), max_width, ..node },
         )
     };
     commands.spawn(panel(Line::State, Node { top: px(10), left: px(10), ..default() }));
