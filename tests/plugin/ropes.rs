@@ -82,6 +82,39 @@ fn a_winch_pays_out_and_reels_in_at_its_speed_between_its_bounds() {
     assert!(still.abs() < 0.01, "stretched by {still}");
 }
 
+/// All of a step's length was taken in its first substep: a load was thrown up at the winch's speed times the number of substeps, and links folded.
+#[test]
+fn a_winch_does_not_throw_its_load() {
+    for (structural, speed) in
+        [(StructuralSolve::Sweeps, 0.6), (StructuralSolve::Lines, 0.6), (StructuralSolve::Sweeps, 2.0)]
+    {
+        let mut app = app();
+        let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 1.8, 64);
+        let winch = Winch { speed: -speed, least: 0.4, greatest: 1.8 };
+        let settings = SolverSettings { structural, ..default() };
+        let rope = app.world_mut().spawn((rope, Winch { speed: 0.0, ..winch }, settings)).id();
+        step(&mut app, 1);
+        hang(&mut app, rope, 10.0);
+        run(&mut app, 1.0);
+        *get_mut::<Winch>(&mut app, rope) = winch;
+        let (mut fastest, mut slack) = (0.0_f32, 0.0_f32);
+        for _ in 0..(60.0 * 1.2 / speed) as usize {
+            step(&mut app, 1);
+            let particles = get::<Particles>(&app, rope);
+            fastest = fastest.max(particles.velocity(63).length());
+            slack = slack.max(at_rest(&app, rope) + particles.position(63).y);
+            let folds = (1..64).filter(|&i| particles.position(i).y > particles.position(i - 1).y).count();
+            assert_eq!(folds, 0, "{structural:?}: links folded");
+        }
+        println!("{structural:?}: {fastest} m/s at {speed} m/s, slack {slack} m");
+        assert!(
+            fastest < 1.3 * speed,
+            "{structural:?}: a winch of {speed} m/s lifts its load at {fastest} m/s"
+        );
+        assert!(slack < 0.02, "{structural:?}: the load is {slack} m higher than the rope is long");
+    }
+}
+
 #[test]
 fn a_winch_that_is_none_is_told_and_a_sleeping_rope_wakes_for_one_that_turns() {
     let mut app = app();

@@ -4,9 +4,12 @@ use std::sync::OnceLock;
 
 use crate::gpu::Gpu;
 use crate::source::{
-    CROWD, Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source,
-    pin_source, small_source, surface_source, tube_source,
+    Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
+    small_source, surface_source, tube_source,
 };
+
+/// So many bodies of a size class fill a large GPU several times.
+const CROWD: u32 = 1024;
 
 /// Bytes of shared memory that a kernel needs besides positions.
 const SHARED_BESIDES: u32 = 512;

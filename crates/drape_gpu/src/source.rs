@@ -19,7 +19,7 @@ pub(crate) struct SizeClass {
     pub particles: u32,
     /// Threads of a workgroup: as many as finish soonest.
     pub threads: u32,
-    /// Threads where a [`CROWD`] of bodies waits for a place on the device: as many as need the least of it.
+    /// Threads where a crowd of bodies waits for a place on the device: as many as need the least of it.
     pub threads_in_crowd: u32,
 }
 
@@ -37,9 +37,6 @@ pub(crate) const SIZE_CLASSES: [SizeClass; 5] = [
     SizeClass::new(512, 256),
     SizeClass::new(1024, 256),
 ];
-
-/// So many bodies of a size class fill a large GPU several times.
-pub(crate) const CROWD: u32 = 1024;
 
 /// Threads of a workgroup that steps a part of a large body.
 pub(crate) const LARGE_WORKGROUP: u32 = 256;

@@ -82,7 +82,8 @@ pub(crate) fn turn_winches(
                 particles.set_inverse_mass(i, 1.0 / mass);
             }
         }
-        particles.rouse();
+        // All at once, the first substep would throw what hangs on it, by the number of substeps times the winch's speed.
+        particles.set_lengths_from(length / wanted);
         sticks.0 = Arc::new(topology);
     }
 }

@@ -19,7 +19,8 @@ use glam::Vec3;
 
 use crate::constraint::projection::Projection;
 use crate::constraint::stick::Joined;
-use crate::simd::columns::{Cell, Columns, LANES};
+use crate::motion::body_columns::BodyColumns;
+use crate::simd::columns::{Columns, LANES};
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::particles::Particles;
 use crate::state::tethers::TetherPlan;
@@ -38,8 +39,8 @@ impl TetherPlan {
         }
     }
 
-    /// Pulls every particle of `cells` back to within its tethers' lengths, but by no more than `most` (metres) at
-    /// once. The cells are at `places` in the columns; `anchors` are the positions of the pins.
+    /// Pulls every particle of `cells` back to within its tethers' lengths, but by no more than the reach of `rest` at once. The cells are
+    /// at `places` in the columns.
     #[inline(always)]
     pub fn project<S: Simd>(
         &self,
@@ -47,10 +48,10 @@ impl TetherPlan {
         cells: Range<usize>,
         places: Range<usize>,
         joined: &mut Joined,
-        anchors: &[Cell],
-        most: f32,
+        rest: &BodyColumns,
         projection: impl Projection,
     ) {
+        let BodyColumns { anchors, tether_reach: most, length_ratio, .. } = *rest;
         let zero = f32x16::splat(simd, 0.0);
         let most_squared = f32x16::splat(simd, most * most);
         for (cell, place) in cells.zip(places) {
@@ -63,7 +64,7 @@ impl TetherPlan {
             for tie in ties {
                 let delta = position.minus(Lanes3::load(simd, &anchors[tie.anchor as usize]));
                 let distance_squared = delta.dot(delta);
-                let length = load(simd, &tie.length);
+                let length = load(simd, &tie.length) * length_ratio;
                 let mut is_taut: mask32x16<S> = distance_squared.simd_gt(length * length);
                 if !is_all_free {
                     is_taut &= load(simd, &joined.inverse_mass[place]).simd_gt(zero);

@@ -38,4 +38,6 @@ pub(crate) struct BodyColumns<'a> {
     pub frame: Option<&'a SubstepMotion>,
     /// Greatest pull of a tether in one substep, in metres.
     pub tether_reach: f32,
+    /// Factor on the rest lengths of the topology in this substep.
+    pub length_ratio: f32,
 }

@@ -44,6 +44,8 @@ pub struct Particles {
     pub(crate) pose: PoseConstraints,
     /// Motion of the frame of reference in the next step.
     pub(crate) frame: Option<FrameMotion>,
+    /// By how much, in parts of themselves, rest lengths are longer at the beginning of the next step.
+    pub(crate) excess_length: f32,
     /// True after any event that should wake a sleeping body.
     pub(crate) disturbed: bool,
     /// Statistics of the particles; none if one has moved since they were gathered.
@@ -66,6 +68,7 @@ impl Default for Particles {
             joints: Vec::new(),
             pose: PoseConstraints::default(),
             frame: None,
+            excess_length: 0.0,
             disturbed: false,
             stats: None,
             masses: MassStats::default(),
@@ -287,12 +290,23 @@ impl Particles {
         }
     }
 
-    /// Clears the forces, pin targets, joints and motion of the frame that were set for the next step.
+    /// In the next step, the lengths of sticks in rows and of tethers go from `ratio` times those of the topology to them, evenly over the
+    /// substeps, so that a rope which is reeled in does not jerk what hangs on it. Call it when the body gets a topology of another
+    /// length; `ratio` is the old length over the new one. One that is not above zero, or not finite, changes nothing.
+    pub fn set_lengths_from(&mut self, ratio: f32) {
+        if ratio > 0.0 && ratio.is_finite() {
+            self.excess_length = ratio - 1.0;
+            self.disturb();
+        }
+    }
+
+    /// Clears the forces, pin targets, joints, motion of the frame and changes of length that were set for the next step.
     pub fn clear_requests(&mut self) {
         self.force.clear();
         self.pin_targets.clear();
         self.joints.clear();
         self.frame = None;
+        self.excess_length = 0.0;
     }
 
     /// Wakes the body: it counts as edited, and its time at rest restarts.

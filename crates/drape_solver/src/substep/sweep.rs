@@ -48,8 +48,9 @@ use crate::state::substep::Substep;
 use crate::substep::plan::{BodyPlan, Plan, StripStage};
 use crate::substep::work::Work;
 
-/// Moves pins to the end of the substep.
+/// Moves pins to the end of the substep, and rest lengths with them.
 pub(crate) fn move_pins(body: &mut Body) {
+    body.change_lengths();
     body.move_pins();
     body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
@@ -129,7 +130,8 @@ pub(crate) fn substeps(
 /// True if a sweep may go from one substep into the next.
 fn may_join(body: &Body, plan: &Plan) -> bool {
     let Body { particles, context, .. } = body;
-    plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
+    let is_steady = context.pin_shifts.is_empty() && context.excess_change == 0.0;
+    plan.can_sweep && particles.masses.has_pins && is_steady
 }
 
 /// The number of substeps in one trip through memory: as many as keep the strips between the first stage and the last
@@ -228,6 +230,7 @@ fn with_work(
             pose: &particles.pose,
             frame: context.frame.as_ref(),
             tether_reach: TETHER_SPEED * particles.substep,
+            length_ratio: 1.0 + context.excess_length,
         },
     };
     run(&mut work, plan, settings.projection);

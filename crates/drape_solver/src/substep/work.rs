@@ -147,10 +147,9 @@ impl Work<'_> {
             }
             StripStage::Tethers => {
                 let mut joined = Joined::new(moving.position, &rest, first_cell);
-                let (tethers, most) = (&rest.topology.tethers, rest.tether_reach);
                 simd.vectorize(
                     #[inline(always)]
-                    || tethers.project(simd, cells, places, &mut joined, rest.anchors, most, projection),
+                    || rest.topology.tethers.project(simd, cells, places, &mut joined, &rest, projection),
                 );
             }
             StripStage::Carry | StripStage::Leave => {
@@ -222,6 +221,7 @@ impl Work<'_> {
         let Self { first_strip, cells_of_strip, ref mut moving, rest, .. } = *self;
         let mut joined = Joined::new(moving.position, &rest, first_strip * cells_of_strip);
         if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
+            let rest_length = rest_length * rest.length_ratio;
             let alike = Alike { rest_length, stiffness: rest.stiffness[batch], projection };
             for (band, runs) in runs.bands() {
                 let first_cells = band.among(strips).map(|strip| (strip - first_strip) * cells_of_strip);

@@ -253,7 +253,8 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
     let bend_scale = context.bend_scale;
-    let solve = LineSolve { grid, position, inverse_mass, lone_steps, bend_scale, scratch };
+    let length_ratio = 1.0 + context.excess_length;
+    let solve = LineSolve { grid, position, inverse_mass, lone_steps, bend_scale, length_ratio, scratch };
     match settings.projection {
         StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
@@ -288,6 +289,8 @@ struct LineSolve<'a> {
     lone_steps: u32,
     /// Iterations over the square of a substep, in 1/s^2.
     bend_scale: f32,
+    /// Factor on rest lengths.
+    length_ratio: f32,
     scratch: &'a mut LineScratch,
 }
 
@@ -295,8 +298,9 @@ impl LineSolve<'_> {
     /// Solves all `lines`.
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, lines: Lines, mut solved: Solved, projection: impl Projection) {
-        if let Solved::Bends(compliance) = &mut solved {
-            *compliance *= self.bend_scale;
+        match &mut solved {
+            Solved::Sticks(rest_length) => *rest_length *= self.length_ratio,
+            Solved::Bends(compliance) => *compliance *= self.bend_scale,
         }
         match (lines.storage(self.grid), solved, self.grid.patches) {
             (LineStorage::InPlace, _, Some(patches)) => {
