@@ -90,9 +90,9 @@ impl Kernels {
 
     /// The kernel that steps so many small bodies of a size class.
     pub fn small_step(&self, gpu: &Gpu, class: usize, bodies: u32, extras: Extras) -> &wgpu::ComputePipeline {
-        let is_crowd = bodies >= CROWD;
+        let SizeClass { particles, threads, threads_in_crowd } = SIZE_CLASSES[class];
+        let is_crowd = bodies >= CROWD && threads_in_crowd != threads;
         self.small_steps[class][usize::from(is_crowd)][extras as usize].get_or_init(|| {
-            let SizeClass { particles, threads, threads_in_crowd } = SIZE_CLASSES[class];
             let threads = if is_crowd { threads_in_crowd } else { threads };
             let module = module(gpu, "small bodies", &small_source(particles, threads, extras));
             pipeline(gpu, &module, "step_body", &[&self.common, &self.small])

@@ -80,8 +80,9 @@ fn data(
     let (mut low, mut high) = obstacle.swept_bounds();
     if field.is_bottomless {
         for down in [from, to].map(|place| place.rotation * Vec3::NEG_Y) {
-            low = Vec3::select(down.cmplt(Vec3::ZERO), Vec3::splat(-FAR), low);
-            high = Vec3::select(down.cmpgt(Vec3::ZERO), Vec3::splat(FAR), high);
+            // Less is rounding of the rotation.
+            low = Vec3::select(down.cmplt(Vec3::splat(-1e-6)), Vec3::splat(-FAR), low);
+            high = Vec3::select(down.cmpgt(Vec3::splat(1e-6)), Vec3::splat(FAR), high);
         }
     }
     let (start, end) = (from.rotation.normalize(), to.rotation.normalize());

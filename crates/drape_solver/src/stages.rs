@@ -63,7 +63,7 @@ fn run_body_stage(
         }
         BodyStage::FollowJoints => joint::follow(&mut contacts.joints, body, movers),
         BodyStage::ReleaseJoints => joint::release(&mut contacts.joints, body, movers),
-        BodyStage::PullJoints => joint::pull(&mut contacts.joints, body, movers, substep.duration),
+        BodyStage::PullJoints => joint::pull(&mut contacts.joints, body, movers, substep),
         BodyStage::BeginContacts => {
             face_obstacle::begin_substep(&mut contacts.faces, body, substep, movers);
             embedded_obstacle::begin_substep(&mut contacts.embedded);

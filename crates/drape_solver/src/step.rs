@@ -57,6 +57,7 @@ use crate::parallel::workers::Workers;
 use crate::stages::walk;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
+use crate::state::substep::Substep;
 use crate::substep::begin;
 use crate::substep::sweep;
 
@@ -284,9 +285,12 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
 
 /// True if the strain of every body is within its tolerance, and none resists bending, which takes all of its iterations.
 fn is_relaxed(island: &Island) -> bool {
+    let IslandContext { substep_index: index, substeps: count, .. } = island.context;
+    let substep = Substep { index, count, ..Substep::default() };
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
-        tolerance > 0.0 && body.topology.bends.is_empty() && greatest_strain(body) <= tolerance
+        let strain = || greatest_strain(body, body.particles.length_ratio(substep));
+        tolerance > 0.0 && body.topology.bends.is_empty() && strain() <= tolerance
     })
 }
 

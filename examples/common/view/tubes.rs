@@ -92,14 +92,14 @@ fn spawn_tubes(
     bodies: Query<(Entity, &Sticks), (Without<HasTubes>, Without<RigidTetrahedron>, Without<RopeMesh>)>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
-    mut colours: Local<usize>,
+    mut count: Local<usize>,
     mut commands: Commands,
 ) {
     for (entity, sticks) in &bodies {
         commands.entity(entity).insert(HasTubes);
         if sticks.faces().is_empty() {
-            let base_color = COLOURS[*colours % COLOURS.len()];
-            *colours += 1;
+            let base_color = COLOURS[*count % COLOURS.len()];
+            *count += 1;
             commands.spawn((
                 TubesOf(entity),
                 Mesh3d(meshes.add(empty())),

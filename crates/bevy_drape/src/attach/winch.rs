@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use crate::body::activity::Activity;
 use crate::body::particles::{Particles, Sticks};
 use crate::build::rope::Rope;
 use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 
 /// Changes the length of a [`Rope`]. All links grow or shrink alike, with their mass; masses hung on the rope stay.
-/// Tethers follow. A torn rope no longer changes.
+/// Tethers follow. A torn rope no longer changes, and one that is frozen or culled waits.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -50,17 +51,21 @@ pub fn rest_length(rope: &Rope, sticks: &Sticks) -> Option<f32> {
 
 /// Turns the winches for one step.
 pub(crate) fn turn_winches(
-    mut ropes: Query<(Entity, &Rope, Ref<Winch>, &mut Particles, &mut Sticks)>,
+    mut ropes: Query<(Entity, &Rope, Ref<Winch>, &Activity, &mut Particles, &mut Sticks)>,
     clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
 ) {
-    for (entity, rope, winch, mut particles, mut sticks) in &mut ropes {
+    for (entity, rope, winch, activity, mut particles, mut sticks) in &mut ropes {
         if winch.is_changed() {
             refusals.forget_component(entity, "Winch");
         }
         if !winch.is_usable() {
             let reason = "its lengths must be above zero, the least first, and all of it finite";
             refusals.entity(entity, "Winch", reason);
+            continue;
+        }
+        // What is not simulated would be jerked when it goes on.
+        if activity.is_carried() {
             continue;
         }
         let Some(length) = rest_length(rope, &sticks) else { continue };
@@ -83,7 +88,7 @@ pub(crate) fn turn_winches(
             }
         }
         // All at once, the first substep would throw what hangs on it, by the number of substeps times the winch's speed.
-        particles.set_lengths_from(length / wanted);
+        particles.change_lengths_from(length / wanted);
         sticks.0 = Arc::new(topology);
     }
 }

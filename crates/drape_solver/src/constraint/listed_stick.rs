@@ -25,6 +25,8 @@ pub(crate) struct RelaxedBatch<'a> {
     /// The part of the error that one iteration removes.
     pub stiffness: f32,
     pub bound: StickBound,
+    /// Factor on the rest lengths.
+    pub length_ratio: f32,
 }
 
 /// One sweep of all batches through a body: the columns and lists that it reads and writes.
@@ -52,12 +54,12 @@ impl Descent<'_> {
                 take(simd, rows, time, position, inverse_mass);
             }
             let mut lag = 0;
-            for RelaxedBatch { batch, stiffness, bound } in batches.clone() {
-                lag += batch.reach;
+            for relaxed in batches.clone() {
+                lag += relaxed.batch.reach;
                 if let Some(block) = time.checked_sub(lag).filter(|&block| block < blocks) {
-                    match OneSided::of(bound, projection) {
-                        None => relax_block(simd, rows, sticks, batch, block, stiffness, projection),
-                        Some(one) => relax_block(simd, rows, sticks, batch, block, stiffness, one),
+                    match OneSided::of(relaxed.bound, projection) {
+                        None => relax_block(simd, rows, sticks, relaxed, block, projection),
+                        Some(one) => relax_block(simd, rows, sticks, relaxed, block, one),
                     }
                 }
             }
@@ -89,11 +91,11 @@ fn relax_block<S: Simd>(
     simd: S,
     rows: &mut Rows,
     sticks: &ListedSticks,
-    batch: &ListedBatch,
+    relaxed: RelaxedBatch,
     block: usize,
-    stiffness: f32,
     projection: impl Projection,
 ) {
+    let RelaxedBatch { batch, stiffness, length_ratio, .. } = relaxed;
     let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
     let groups = first.div_ceil(GROUP)..end / GROUP;
     let (before, groups, after) = if batch.is_independent && !groups.is_empty() {
@@ -106,10 +108,10 @@ fn relax_block<S: Simd>(
         || {
             let mut window = rows.window();
             for group in groups {
-                project_group(simd, &mut window, group, stiffness, projection);
+                project_group(simd, &mut window, group, [stiffness, length_ratio], projection);
             }
             for place in before.chain(after) {
-                let (ends, rest_length) = (sticks.ends(place), sticks.rest_length(place));
+                let (ends, rest_length) = (sticks.ends(place), sticks.rest_length(place) * length_ratio);
                 project_row(simd, &mut window, ends, rest_length, stiffness, projection);
             }
         },
@@ -166,7 +168,7 @@ fn project_group<S: Simd>(
     simd: S,
     window: &mut Window,
     group: &StickGroup,
-    stiffness: f32,
+    [stiffness, length_ratio]: [f32; 2],
     projection: impl Projection,
 ) {
     let [a, b] = group.ends.map(|ends| ends.map(|first| window.place(first)));
@@ -176,7 +178,7 @@ fn project_group<S: Simd>(
     let [p, q] = [a, b].map(pairs);
     let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
     let [x, y, z, w] = columns_of_eight(delta);
-    let rest = f32x8::load_array_ref(simd, &group.rest_lengths);
+    let rest = f32x8::load_array_ref(simd, &group.rest_lengths) * length_ratio;
     let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
     let zero = f32x8::splat(simd, 0.0);
     if w.simd_eq(zero).all_true() {
@@ -264,7 +266,8 @@ mod tests {
             let masses: Vec<[f32; LANES]> =
                 (0..cells).map(|cell| core::array::from_fn(|lane| mass(cell * LANES + lane))).collect();
             for backwards in [false, true] {
-                let relaxed = |(batch, (stiffness, bound))| RelaxedBatch { batch, stiffness, bound };
+                let relaxed =
+                    |(batch, (stiffness, bound))| RelaxedBatch { batch, stiffness, bound, length_ratio: 1.0 };
                 let bounds = [StickBound::Exact, StickBound::AtLeast, StickBound::AtMost].into_iter().cycle();
                 let stiffness = [0.9, 0.5, 1.0, 0.3, 0.8, 1.0];
                 let mut order: Vec<RelaxedBatch> =
@@ -273,7 +276,7 @@ mod tests {
                     order.reverse();
                 }
                 let mut expected = start.clone();
-                for &RelaxedBatch { batch, stiffness, bound } in &order {
+                for &RelaxedBatch { batch, stiffness, bound, .. } in &order {
                     let last = batch.first_of_block.last().map_or(0, |&last| last as usize);
                     for i in batch.first..last {
                         let ends = sticks.slots(i).map(|slot| (slot as usize / LANES, slot as usize % LANES));
@@ -336,7 +339,8 @@ mod tests {
         let masses = vec![[1.0; LANES]; cells];
         let sweep =
             Descent { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
-        let relaxed = RelaxedBatch { batch: &batch, stiffness: 1.0, bound: StickBound::Exact };
+        let relaxed =
+            RelaxedBatch { batch: &batch, stiffness: 1.0, bound: StickBound::Exact, length_ratio: 1.0 };
         Isa::detected().run(Relax(sweep, &[relaxed], Exact));
         for slot in (0..40 * BLOCK).step_by(2) {
             let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));

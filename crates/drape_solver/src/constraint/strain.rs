@@ -38,18 +38,18 @@ impl Lengths {
     }
 }
 
-/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed; sticks with a bound count
-/// only where it acts.
-pub(crate) fn greatest_strain(body: &Body) -> f32 {
-    lengths(body).strain()
+/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed, with this factor on rest lengths; sticks with
+/// a bound count only where it acts.
+pub(crate) fn greatest_strain(body: &Body, length_ratio: f32) -> f32 {
+    lengths(body, length_ratio).strain()
 }
 
 /// The greatest stretch of these sticks beyond their rest length, in parts of it.
 pub(crate) fn greatest_stretch(body: &Body) -> f32 {
-    lengths(body).stretch()
+    lengths(body, 1.0).stretch()
 }
 
-fn lengths(body: &Body) -> Lengths {
+fn lengths(body: &Body, length_ratio: f32) -> Lengths {
     let Body { particles, topology, .. } = body;
     let mut lengths = Lengths { least: 1.0, greatest: 1.0 };
     for batch in &topology.batches {
@@ -58,6 +58,7 @@ fn lengths(body: &Body) -> Lengths {
         }
         match &batch.sticks {
             BatchSticks::Grid { runs, rest_length, .. } => {
+                let rest_length = rest_length * length_ratio;
                 let scale = 1.0 / (rest_length * rest_length);
                 let (cells_of_strip, strips) = topology.layout.strips();
                 for (band, runs) in runs.bands() {
@@ -71,7 +72,7 @@ fn lengths(body: &Body) -> Lengths {
                 for place in listed.first..listed.first + batch.count {
                     let [p, q] =
                         topology.listed.slots(place).map(|slot| particles.position.get(slot as usize));
-                    let rest_length = topology.listed.rest_length(place);
+                    let rest_length = topology.listed.rest_length(place) * length_ratio;
                     let squared = p.distance_squared(q) / (rest_length * rest_length);
                     lengths.take_bounded(squared, batch.material.bound);
                 }
@@ -125,7 +126,7 @@ mod tests {
                 body.particles.set_position(i, body.particles.position(i) + offset);
             }
             run_stages(&mut body, 1e-2, &[]);
-            let greatest = f64::from(greatest_strain(&body));
+            let greatest = f64::from(greatest_strain(&body, 1.0));
             let expected = measure::stretch(&body.particles, &body.topology).max;
             assert!((greatest - expected).abs() < 1e-5 * expected, "{greatest}, expected {expected}");
         }

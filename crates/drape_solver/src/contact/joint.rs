@@ -21,6 +21,7 @@ use crate::geometry::shape::Shape;
 use crate::state::body::Body;
 use crate::state::obstacles::Obstacles;
 use crate::state::particle_stats::MassStats;
+use crate::state::substep::Substep;
 
 /// A joint on its way through a step.
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +134,7 @@ pub(crate) fn release(joints: &mut [MovingJoint], body: &mut Body, movers: &[Mov
 }
 
 /// Passes the pull of the sticks on to the movers, and makes the particles pins again.
-pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mover], substep: f32) {
+pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mover], substep: Substep) {
     for joint in &mut *joints {
         let particles = &mut body.particles;
         particles.inverse_mass[joint.slot] = 0.0;
@@ -143,19 +144,20 @@ pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mo
             continue;
         }
         joint.pull = moved.normalize_or_zero();
-        joint.push(mover, moved / joint.inverse_mass, substep);
+        joint.push(mover, moved / joint.inverse_mass, substep.duration);
     }
+    let length_ratio = body.particles.length_ratio(substep);
     for next in 1..joints.len() {
-        tauten(&mut joints[next - 1..=next], movers, substep);
+        tauten(&mut joints[next - 1..=next], length_ratio, movers, substep.duration);
     }
     follow(joints, body, movers);
 }
 
 /// Pulls two movers together that are farther from each other than the rope between them is long: a tether with two ends that
 /// move. Links alone would carry the pull from one to the other only slowly.
-fn tauten(joints: &mut [MovingJoint], movers: &mut [Mover], substep: f32) {
+fn tauten(joints: &mut [MovingJoint], length_ratio: f32, movers: &mut [Mover], substep: f32) {
     let [from, to] = joints else { return };
-    let reach = f64::from(from.reach);
+    let reach = f64::from(from.reach * length_ratio);
     let (Some(a), Some(b)) = (mover(movers, from.obstacle), mover(movers, to.obstacle)) else { return };
     let [start, end] = [a.point(from.anchor), b.point(to.anchor)];
     let (way, distance) = (end - start, end.distance(start));

@@ -73,9 +73,6 @@ pub struct BodyContext {
     pub(crate) anchors: Columns,
     /// Slot and displacement in a substep, in metres, of each pin that moves.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
-    /// By how much, in parts of themselves, rest lengths are longer in this substep, and the change of that from one to the next.
-    pub(crate) excess_length: f32,
-    pub(crate) excess_change: f32,
     /// Motion of the frame in a substep; none if it is at rest.
     pub(crate) frame: Option<SubstepMotion>,
     /// Slots of the particles that their motion limits held inside an obstacle at the end of the last step.
@@ -114,11 +111,6 @@ impl Body {
         for &(slot, shift) in &self.context.pin_shifts {
             self.particles.position.add(slot as usize, shift);
         }
-    }
-
-    /// Brings rest lengths to those of the coming substep.
-    pub(crate) fn change_lengths(&mut self) {
-        self.context.excess_length += self.context.excess_change;
     }
 
     /// Stores the displacement of pins that move, which integration has set to zero.

@@ -12,6 +12,7 @@ use crate::state::joint::Joint;
 use crate::state::layout::Layout;
 use crate::state::particle_stats::{MassStats, ParticleStats};
 use crate::state::pose_constraints::PoseConstraints;
+use crate::state::substep::Substep;
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
 ///
@@ -290,14 +291,21 @@ impl Particles {
         }
     }
 
-    /// In the next step, the lengths of sticks in rows and of tethers go from `ratio` times those of the topology to them, evenly over the
+    /// In the next step, the rest lengths of sticks and tethers go from `ratio` times those of the topology to them, evenly over the
     /// substeps, so that a rope which is reeled in does not jerk what hangs on it. Call it when the body gets a topology of another
-    /// length; `ratio` is the old length over the new one. One that is not above zero, or not finite, changes nothing.
-    pub fn set_lengths_from(&mut self, ratio: f32) {
-        if ratio > 0.0 && ratio.is_finite() {
-            self.excess_length = ratio - 1.0;
+    /// length; `ratio` is the old length over the new one, and those of several calls before a step are multiplied. One that is not above
+    /// zero, or not finite, changes nothing. [Snapshots](Self::snapshot) do not hold it.
+    pub fn change_lengths_from(&mut self, ratio: f32) {
+        let excess = (1.0 + self.excess_length) * ratio - 1.0;
+        if ratio > 0.0 && excess.is_finite() {
+            self.excess_length = excess;
             self.disturb();
         }
+    }
+
+    /// The factor on the rest lengths of the topology in a substep.
+    pub(crate) fn length_ratio(&self, Substep { index, count, .. }: Substep) -> f32 {
+        1.0 + self.excess_length * (1.0 - (index + 1) as f32 / count as f32)
     }
 
     /// Clears the forces, pin targets, joints, motion of the frame and changes of length that were set for the next step.

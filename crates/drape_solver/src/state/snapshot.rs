@@ -177,6 +177,7 @@ impl Particles {
             let [pivot, turn, translation] = motion.map(Vec3::from_array);
             FrameMotion { pivot, turn, translation }
         });
+        self.excess_length = 0.0;
         self.disturbed = snapshot.is_disturbed;
         self.stats = None;
         self.masses = MassStats::default();

@@ -67,8 +67,6 @@ pub(crate) fn begin_step(
         has_drives: !particles.pose.drives.is_empty(),
     };
     plan.plan.make(order, topology, &settings, &context.stiffness, projections, extras);
-    context.excess_length = particles.excess_length;
-    context.excess_change = -particles.excess_length / substeps as f32;
     context.pin_shifts.clear();
     for &(i, target) in &particles.pin_targets {
         let way = target - particles.origin - particles.position.get(i as usize);

@@ -48,9 +48,8 @@ use crate::state::substep::Substep;
 use crate::substep::plan::{BodyPlan, Plan, StripStage};
 use crate::substep::work::Work;
 
-/// Moves pins to the end of the substep, and rest lengths with them.
+/// Moves pins to the end of the substep.
 pub(crate) fn move_pins(body: &mut Body) {
-    body.change_lengths();
     body.move_pins();
     body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
@@ -58,7 +57,7 @@ pub(crate) fn move_pins(body: &mut Body) {
 /// Solves the lines of iteration `index`.
 pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep, index: u32) {
     if (index as usize) < plan.plan.places_of_lines.len() {
-        line::solve(body, &plan.plan.lines, &mut plan.lines, substep.isa);
+        line::solve(body, &plan.plan.lines, &mut plan.lines, substep);
     }
 }
 
@@ -106,7 +105,7 @@ pub(crate) fn substeps(
         // Lines are solved between sweeps.
         for &place in &plan.places_of_lines {
             stages(body, substep, done..place);
-            line::solve(body, &plan.lines, lines, substep.isa);
+            line::solve(body, &plan.lines, lines, substep);
             done = place;
         }
         let next = match plan.places_of_lines.first() {
@@ -130,7 +129,7 @@ pub(crate) fn substeps(
 /// True if a sweep may go from one substep into the next.
 fn may_join(body: &Body, plan: &Plan) -> bool {
     let Body { particles, context, .. } = body;
-    let is_steady = context.pin_shifts.is_empty() && context.excess_change == 0.0;
+    let is_steady = context.pin_shifts.is_empty() && particles.excess_length == 0.0;
     plan.can_sweep && particles.masses.has_pins && is_steady
 }
 
@@ -200,6 +199,7 @@ fn with_work(
     let drift = if is_update { drift(body) } else { Vec3::ZERO };
     let Body { particles, topology, settings, context, .. } = body;
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
+    let length_ratio = particles.length_ratio(substep);
     let mut work = Work {
         first_strip: 0,
         cells_of_strip: plan.cells_of_strip,
@@ -230,7 +230,7 @@ fn with_work(
             pose: &particles.pose,
             frame: context.frame.as_ref(),
             tether_reach: TETHER_SPEED * particles.substep,
-            length_ratio: 1.0 + context.excess_length,
+            length_ratio,
         },
     };
     run(&mut work, plan, settings.projection);

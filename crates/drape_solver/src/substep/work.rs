@@ -238,13 +238,13 @@ impl Work<'_> {
         batches: impl Iterator<Item = usize> + Clone,
         projection: impl Projection,
     ) {
-        let BodyColumns { topology, stiffness, inverse_mass, .. } = self.rest;
+        let BodyColumns { topology, stiffness, inverse_mass, length_ratio, .. } = self.rest;
         let batches = batches.filter_map(move |place| {
             let StickBatch { material, sticks, .. } = &topology.batches[place];
             let (stiffness, bound) = (stiffness[place], material.bound);
             match sticks {
                 BatchSticks::Listed(batch) if stiffness > 0.0 => {
-                    Some(RelaxedBatch { batch, stiffness, bound })
+                    Some(RelaxedBatch { batch, stiffness, bound, length_ratio })
                 }
                 _ => None,
             }

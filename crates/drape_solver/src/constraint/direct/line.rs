@@ -17,13 +17,14 @@ use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::isa::{Isa, Kernel};
+use crate::simd::isa::Kernel;
 use crate::simd::lanes::load;
 use crate::simd::transpose::transpose;
 use crate::state::bends::{BentGrid, is_at_edge};
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
 use crate::state::settings::{BodySettings, StickProjection, StructuralSolve};
+use crate::state::substep::Substep;
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
 /// The rows or the columns of a grid.
@@ -244,20 +245,22 @@ fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> {
 }
 
 /// Solves the lines of a body, as its plan lists them.
-pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut LineScratch, isa: Isa) {
+pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut LineScratch, substep: Substep) {
     let Body { particles, topology, settings, context, .. } = body;
     let Some(grid) = RuledGrid::of(topology) else {
         return;
     };
+    let length_ratio = particles.length_ratio(substep);
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
     let bend_scale = context.bend_scale;
-    let length_ratio = 1.0 + context.excess_length;
     let solve = LineSolve { grid, position, inverse_mass, lone_steps, bend_scale, length_ratio, scratch };
     match settings.projection {
-        StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
-        StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
+        StickProjection::Exact => substep.isa.run(SolveAll { solve, lines, projection: Exact }),
+        StickProjection::SquareRootFree => {
+            substep.isa.run(SolveAll { solve, lines, projection: SquareRootFree })
+        }
     }
 }
 
