@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Silk, cotton, denim, leather, rubber, net, chain",
     controls: "",
-    eye: Vec3::new(3.3, 1.45, 2.3),
-    target: Vec3::new(1.25, 0.55, 0.0),
+    eye: Vec3::new(3.6, 1.5, 2.9),
+    target: Vec3::new(1.15, 0.45, 0.0),
     picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup);
