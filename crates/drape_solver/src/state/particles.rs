@@ -305,7 +305,8 @@ impl Particles {
 
     /// The factor on the rest lengths of the topology in a substep.
     pub(crate) fn length_ratio(&self, Substep { index, count, .. }: Substep) -> f32 {
-        1.0 + self.excess_length * (1.0 - (index + 1) as f32 / count as f32)
+        let left = 1.0 - (index + 1) as f32 / count.max(1) as f32;
+        1.0 + self.excess_length * left
     }
 
     /// Clears the forces, pin targets, joints, motion of the frame and changes of length that were set for the next step.
@@ -427,5 +428,26 @@ mod tests {
         assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[-1.0]).is_err());
         assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[f32::NAN]).is_err());
         assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[]).is_err());
+    }
+
+    #[test]
+    fn lengths_go_evenly_to_those_of_the_topology() {
+        let mut particles = Particles::new(Vec3::ZERO, &[Vec3::ZERO, Vec3::X], &[0.0, 1.0]).expect("valid");
+        let ratios = |particles: &Particles| {
+            [0, 1, 2, 3]
+                .map(|index| particles.length_ratio(Substep { index, count: 4, ..Substep::default() }))
+        };
+        assert_eq!(ratios(&particles), [1.0; 4]);
+        particles.change_lengths_from(1.25);
+        particles.change_lengths_from(1.2);
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            particles.change_lengths_from(bad);
+        }
+        for (ratio, expected) in ratios(&particles).into_iter().zip([1.375, 1.25, 1.125, 1.0]) {
+            assert!((ratio - expected).abs() < 1e-6, "{ratio}, not {expected}");
+        }
+        assert_eq!(ratios(&particles)[3], 1.0);
+        particles.clear_requests();
+        assert_eq!(ratios(&particles), [1.0; 4]);
     }
 }

@@ -259,7 +259,7 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     match settings.projection {
         StickProjection::Exact => substep.isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => {
-            substep.isa.run(SolveAll { solve, lines, projection: SquareRootFree })
+            substep.isa.run(SolveAll { solve, lines, projection: SquareRootFree });
         }
     }
 }
