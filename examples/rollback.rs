@@ -16,8 +16,8 @@ use drape_examples::feature::{Feature, Paint, Verdict};
 pub const FEATURE: Feature = Feature {
     title: "Two players and a curtain: the second one's moves arrive late, and change the past",
     controls: "",
-    eye: Vec3::new(2.6, 2.3, 4.2),
-    target: Vec3::new(0.0, 1.25, 0.0),
+    eye: Vec3::new(2.9, 1.9, 3.4),
+    target: Vec3::new(0.0, 1.85, 0.0),
     picture_time: 5.5,
     build: |app| {
         app.insert_resource(Verdict(judge)).add_systems(Startup, setup).add_systems(FixedUpdate, play);
