@@ -57,7 +57,6 @@ use crate::parallel::workers::Workers;
 use crate::stages::walk;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
-use crate::state::substep::Substep;
 use crate::substep::begin;
 use crate::substep::sweep;
 
@@ -260,7 +259,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
 fn relax_on(island: &mut Island, environment: &Environment, workers: &Workers) {
     let (order, iterations) = (island.context.order, island.iterations());
     for index in 0..iterations {
-        if index.is_power_of_two() && is_relaxed(island) {
+        if index.is_power_of_two() && is_relaxed(island, environment) {
             break;
         }
         island.context.iterations_taken = index + 1;
@@ -284,9 +283,8 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
 }
 
 /// True if the strain of every body is within its tolerance, and none resists bending, which takes all of its iterations.
-fn is_relaxed(island: &Island) -> bool {
-    let IslandContext { substep_index: index, substeps: count, .. } = island.context;
-    let substep = Substep { index, count, ..Substep::default() };
+fn is_relaxed(island: &Island, environment: &Environment) -> bool {
+    let substep = island.context.now(island.isa, environment);
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
         let strain = || greatest_strain(body, body.particles.length_ratio(substep));

@@ -72,17 +72,25 @@ fn find_near(thread: u32, body: Body) {
     }
 }
 
+// The first near obstacle from this one on, or `NONE`.
+fn next_near(first: u32) -> u32 {
+    let word_count = (step.obstacle_count + 31u) / 32u;
+    var wanted = 0xffffffffu << (first % 32u);
+    for (var word = first / 32u; word < word_count; word++) {
+        let bits = atomicLoad(&near[word]) & wanted;
+        if bits != 0u {
+            return 32u * word + firstTrailingBit(bits);
+        }
+        wanted = 0xffffffffu;
+    }
+    return NONE;
+}
+
 // True if a position may touch one of the near obstacles.
 fn is_at_any(position: vec3f, body: Body) -> bool {
-    let word_count = (step.obstacle_count + 31u) / 32u;
-    for (var word = 0u; word < word_count; word++) {
-        var bits = atomicLoad(&near[word]);
-        while bits != 0u {
-            let bit = firstTrailingBit(bits);
-            bits &= bits - 1u;
-            if is_at(position, 32u * word + bit, body) {
-                return true;
-            }
+    for (var i = next_near(0u); i != NONE; i = next_near(i + 1u)) {
+        if is_at(position, i, body) {
+            return true;
         }
     }
     return false;
@@ -97,14 +105,8 @@ fn pushed_out_of_near(
     flight: ptr<function, Flight>,
 ) -> vec3f {
     var position = start;
-    let word_count = (step.obstacle_count + 31u) / 32u;
-    for (var word = 0u; word < word_count; word++) {
-        var bits = atomicLoad(&near[word]);
-        while bits != 0u {
-            let bit = firstTrailingBit(bits);
-            bits &= bits - 1u;
-            position = pushed_out(position, inverse_mass, 32u * word + bit, body, substep, flight);
-        }
+    for (var i = next_near(0u); i != NONE; i = next_near(i + 1u)) {
+        position = pushed_out(position, inverse_mass, i, body, substep, flight);
     }
     return position;
 }
