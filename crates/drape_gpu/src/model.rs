@@ -52,6 +52,9 @@ impl Model {
         if topology.has_bending_rigidity() {
             return Err(GpuError::Unsupported("cloth with a bending rigidity"));
         }
+        if topology.has_membrane() {
+            return Err(GpuError::Unsupported("cloth with a membrane stiffness"));
+        }
         if !topology.embedded().is_empty() {
             return Err(GpuError::Unsupported("a rigid body"));
         }

@@ -73,9 +73,16 @@ pub const LEAST_RENUMBERED: usize = 256;
 /// hundredth of a per cent of stretch.
 pub const CHAIN_REGULARISER: f32 = 1e-4;
 
+/// The same for sticks with a compliance, which is all that they need but for rounding.
+pub(crate) const ELASTIC_REGULARISER: f32 = 2e-6;
+
 /// Greatest move of the ends of a stick against each other in a line solve, in rest lengths. The solve treats sticks as
 /// straight; one that turns by more than this ends longer than it was.
 pub const CHAIN_STEP: f32 = 0.5;
+
+/// Pull over length and mass, times the square of a substep, from which on a line solve also turns its sticks implicitly. At 1 an
+/// explicit turn is unstable.
+pub(crate) const TAUT: f32 = 0.5;
 
 /// In a line solve, inverse masses above this count as this, in 1/kg: single precision ends at 3e38.
 pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;

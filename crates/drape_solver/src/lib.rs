@@ -82,6 +82,7 @@ pub use state::combine_rule::CombineRule;
 pub use state::frame_motion::FrameMotion;
 pub use state::hash::StateHasher;
 pub use state::layers::Layers;
+pub use state::membrane::MembraneStiffness;
 pub use state::obstacle::Obstacle;
 pub use state::obstacle_motion::MovedObstacle;
 pub use state::obstacle_motion::Reaction;

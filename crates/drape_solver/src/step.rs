@@ -282,13 +282,14 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
     }
 }
 
-/// True if the strain of every body is within its tolerance, and none resists bending, which takes all of its iterations.
+/// True if the strain of every body is within its tolerance, and none has bends or a membrane, which take all of its iterations.
 fn is_relaxed(island: &Island, environment: &Environment) -> bool {
     let substep = island.context.now(island.isa, environment);
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
         let strain = || greatest_strain(body, body.particles.length_ratio(substep));
-        tolerance > 0.0 && body.topology.bends.is_empty() && strain() <= tolerance
+        let has_springs = !body.topology.bends.is_empty() || body.topology.membrane.is_some();
+        tolerance > 0.0 && !has_springs && strain() <= tolerance
     })
 }
 

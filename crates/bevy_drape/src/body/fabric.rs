@@ -3,7 +3,7 @@
 //! Design: `docs/design/presets.md`.
 
 use bevy::prelude::*;
-use drape_solver::{BendingRigidity, BodySettings, BuildError, ClothMaterial, Preset};
+use drape_solver::{BendingRigidity, BodySettings, BuildError, ClothMaterial, MembraneStiffness, Preset};
 
 use crate::body::surface::BodySurface;
 
@@ -35,6 +35,9 @@ pub struct Fabric {
     /// Rigidity in bending as a textile laboratory measures it, in N m along warp and weft; none by default. A `ClothMesh` takes the
     /// mean of both. Bend sticks act besides: give them a `bend_stiffness` of 0.
     pub bending_rigidity: BendingRigidity,
+    /// Resistance to stretch and shear as a textile laboratory measures it, in N/m; none by default. Where a number of it is not zero, a
+    /// [`Cloth`](crate::build::Cloth) takes it in place of the stiffness from 0 to 1, and no tether holds it. A `ClothMesh` has no use for it.
+    pub membrane_stiffness: MembraneStiffness,
     /// Damping along the sticks in 1/s, 0 or more.
     pub damping: f32,
     /// True if it is meant to stretch far, as rubber is: then no tether holds it.
@@ -91,6 +94,7 @@ impl Fabric {
             shear_stiffness: material.shear_stiffness,
             bend_stiffness: material.bend_stiffness,
             bending_rigidity: material.bending_rigidity,
+            membrane_stiffness: material.membrane_stiffness,
             damping: material.damping,
             extensible,
             friction: surface.friction,
@@ -125,7 +129,7 @@ impl Fabric {
                 Some(_),
                 Some(
                     "areal_density" | "damping" | "stiffness" | "stretch stiffness" | "bend stiffness"
-                    | "bending_rigidity",
+                    | "bending_rigidity" | "membrane_stiffness",
                 ),
             ) => "Fabric",
             _ => description,
@@ -140,6 +144,7 @@ impl Fabric {
             shear_stiffness: self.shear_stiffness,
             bend_stiffness: self.bend_stiffness,
             bending_rigidity: self.bending_rigidity,
+            membrane_stiffness: self.membrane_stiffness,
             damping: self.damping,
         }
     }

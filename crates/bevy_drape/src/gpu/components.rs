@@ -20,7 +20,8 @@ use drape_gpu::{BodyMesh, GpuBodyId};
 /// By a [`LevelOfDetail`](crate::detail::LevelOfDetail) it has fewer substeps, or is frozen; it keeps its particles. A frozen body with pins moves
 /// rigidly with its entity. It goes on without speed, and in its first shape if the entity has moved meanwhile.
 ///
-/// The processor solves a body, and the log says why, without a device, with self-contact or a [bending rigidity](crate::body::BendingRigidity), if a
+/// The processor solves a body, and the log says why, without a device, with self-contact, a [bending rigidity](crate::body::BendingRigidity) or
+/// [membrane stiffness](crate::body::MembraneStiffness), if a
 /// [`DrivenMesh`](crate::render::from_mesh::driven_mesh::DrivenMesh) follows it, if it is a `ClothMesh` with a skin or with painted limits, backstops or
 /// drives, and with any of these components: `Attachment`, `ContactEvents`, `Grab`, [`ParticleFollowers`](crate::attach::ParticleFollowers),
 /// `PlaneLock`, `Pressure`, `Rig`, `SoftBodyMesh`, `Tearable`, `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert

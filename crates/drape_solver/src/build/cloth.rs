@@ -6,10 +6,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::build::membrane::{SpringConstants, stiffness_of};
 use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
 use crate::state::bends::BendingRigidity;
 use crate::state::body::Body;
+use crate::state::membrane::MembraneStiffness;
 use crate::state::particles::Particles;
 use crate::state::settings::BodySettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
@@ -44,6 +46,9 @@ pub struct ClothMaterial {
     /// Rigidity in bending, as a laboratory measures it; none by default. It acts besides the bend sticks, and does not depend on
     /// the spacing.
     pub bending_rigidity: BendingRigidity,
+    /// Resistance in its plane, as a laboratory measures it; none by default. Of a cloth that is a grid, it takes the place of the
+    /// stretch and shear stiffnesses where it is not zero.
+    pub membrane_stiffness: MembraneStiffness,
     /// Damping along all sticks in 1/s.
     pub damping: f32,
 }
@@ -57,6 +62,7 @@ impl Default for ClothMaterial {
             shear_stiffness: 0.7,
             bend_stiffness: 0.1,
             bending_rigidity: BendingRigidity::default(),
+            membrane_stiffness: MembraneStiffness::default(),
             damping: 0.0,
         }
     }
@@ -209,18 +215,26 @@ impl ClothBuilder {
             damping: self.material.damping,
             ..StickMaterial::rigid(kind)
         };
-        let structural = material(StickKind::Structural, self.material.stretch_stiffness);
-        let shear = material(StickKind::Shear, self.material.shear_stiffness);
+        let springs = SpringConstants::new(self.material.membrane_stiffness, self.spacing())?;
+        let [dx, dy] = self.spacing();
+        let mass = f64::from(self.material.areal_density * dx * dy);
+        let or_spring =
+            |number: f32, spring: Option<f64>| spring.map_or(number, |spring| stiffness_of(spring, mass));
+        let [along_rows, along_columns] = springs.along.map(|spring| {
+            material(StickKind::Structural, or_spring(self.material.stretch_stiffness, spring))
+        });
+        let shear = material(StickKind::Shear, or_spring(self.material.shear_stiffness, springs.diagonal));
         let bend = material(StickKind::Bend, self.material.bend_stiffness);
         let mut builder = TopologyBuilder::grid(positions, c, r)?;
         builder
-            .grid_family(structural, [1, 0])?
-            .grid_family(structural, [0, 1])?
+            .grid_family(along_rows, [1, 0])?
+            .grid_family(along_columns, [0, 1])?
             .grid_family(shear, [1, 1])?
             .grid_family(shear, [-1, 1])?
             .grid_family(bend, [2, 0])?
             .grid_family(bend, [0, 2])?
             .bending(self.material.bending_rigidity)?
+            .springs(springs)
             .faces(self.faces())?
             .straight_tethers(&self.pins)?;
         builder.build()

@@ -12,6 +12,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::build::cloth::ClothMaterial;
 use crate::state::bends::BendingRigidity;
+use crate::state::membrane::MembraneStiffness;
 use crate::state::settings::BodySettings;
 
 /// A material of cloth. Its stiffness is tuned for about 20 particles per metre: in finer cloth each stick carries more
@@ -66,12 +67,14 @@ impl Preset {
             Self::Chain => (8.5, 1.0, 0.02, 0.0, 0.5),
         };
         let bending_rigidity = BendingRigidity::isotropic(0.0);
+        let membrane_stiffness = MembraneStiffness::balanced(0.0, 0.0);
         ClothMaterial {
             areal_density,
             stretch_stiffness,
             shear_stiffness,
             bend_stiffness,
             bending_rigidity,
+            membrane_stiffness,
             damping,
         }
     }

@@ -8,11 +8,13 @@ use glam::Vec3;
 
 use crate::broad_phase::ball_search::are_by_square;
 use crate::build::cloth::MAX_PARTICLES;
+use crate::build::membrane::SpringConstants;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
 use crate::state::bends::{BendingRigidity, Bends};
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::Membrane;
 use crate::state::renumbering::Renumbering;
 use crate::state::stick_list::ListedBatch;
 use crate::state::tethers::{TetherPlan, Tethers};
@@ -33,6 +35,7 @@ pub struct TopologyBuilder {
     joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
     rigidity: BendingRigidity,
+    springs: SpringConstants,
     /// The numbers of columns and rows; one row if the particles form no grid.
     size: [u32; 2],
 }
@@ -46,6 +49,7 @@ impl TopologyBuilder {
             joined: Vec::new(),
             tethers: Tethers::none(),
             rigidity: BendingRigidity::default(),
+            springs: SpringConstants::default(),
             size: [rest.len() as u32, 1],
         }
     }
@@ -222,6 +226,12 @@ impl TopologyBuilder {
         Ok(self)
     }
 
+    /// Has the sticks of a flat, even [grid](Self::grid) be springs of these constants.
+    pub(crate) fn springs(&mut self, constants: SpringConstants) -> &mut Self {
+        self.springs = constants;
+        self
+    }
+
     /// Adds points that touch obstacles. Four particles carry each.
     ///
     /// # Errors
@@ -313,6 +323,7 @@ impl TopologyBuilder {
         self.topology.rest = self.rest;
         let size = (self.size[1] > 1).then_some(self.size);
         self.topology.bends = Bends::new(&self.topology, size, self.rigidity);
+        self.topology.membrane = size.and_then(|size| Membrane::new(&self.topology, size, self.springs));
         self.topology.has_faces_by_square =
             self.topology.segments.is_empty() && are_by_square(&self.topology.faces, &self.topology.layout);
         Ok(self.topology)

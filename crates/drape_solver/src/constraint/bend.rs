@@ -35,7 +35,7 @@ pub(crate) fn project(body: &mut Body, projection: u32) {
     }
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
-    solve(position, inverse_mass, &topology.bends.listed, context.bend_scale, &mut context.bends);
+    solve(position, inverse_mass, &topology.bends.listed, context.compliance_scale, &mut context.bends);
 }
 
 /// One implicit step of all `bends` of a body. `scale` is iterations over the square of the substep, in 1/s^2.
@@ -158,7 +158,7 @@ mod tests {
         let topology = Arc::new(builder.build().expect("valid"));
         let mut body = Body::new(particles, topology, BodySettings::default());
         body.context.bends.reserve(body.particles.layout.cells() * LANES);
-        body.context.bend_scale = SCALE;
+        body.context.compliance_scale = SCALE;
         body
     }
 

@@ -65,8 +65,8 @@ pub struct BodyContext {
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
-    /// Iterations over the square of a substep, in 1/s^2: bends multiply their compliance by it.
-    pub(crate) bend_scale: f32,
+    /// Solves in a substep over its square, in 1/s^2: bends and membranes multiply their compliance by it.
+    pub(crate) compliance_scale: f32,
     pub(crate) bends: BendScratch,
     pub(crate) damping: Vec<f32>,
     /// Positions of the pins of tethers.

@@ -34,6 +34,7 @@ pub(crate) mod joint;
 pub mod layers;
 pub(crate) mod layout;
 pub mod measure;
+pub mod membrane;
 pub mod motion_limits;
 pub mod obstacle;
 mod obstacle_flight;

@@ -10,6 +10,7 @@ use crate::error::{BuildError, in_range};
 use crate::state::bends::Bends;
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::Membrane;
 use crate::state::stick_list::{ListedBatch, ListedSticks};
 use crate::state::surface::Surface;
 use crate::state::tethers::TetherPlan;
@@ -209,6 +210,7 @@ pub struct Topology {
     pub(crate) batches: Vec<StickBatch>,
     pub(crate) stick_count: usize,
     pub(crate) bends: Bends,
+    pub(crate) membrane: Option<Membrane>,
     pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
     /// True if the faces are those of a grid's squares, two for each, row by row.
@@ -320,6 +322,16 @@ impl Topology {
     /// True if it resists bending by a [rigidity](crate::BendingRigidity).
     pub fn has_bending_rigidity(&self) -> bool {
         self.bends != Bends::default()
+    }
+
+    /// True if it resists stretching by a [stiffness in N/m](crate::MembraneStiffness) along rows or columns.
+    pub fn has_membrane(&self) -> bool {
+        self.membrane.is_some()
+    }
+
+    /// True if rows or columns are solved directly in any case, as their bends or sticks have compliances.
+    pub(crate) fn has_elastic_lines(&self) -> bool {
+        self.bends.lines.is_some() || self.membrane.is_some()
     }
 
     /// True if the particles are in one line.

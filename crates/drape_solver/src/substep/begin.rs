@@ -42,7 +42,8 @@ pub(crate) fn begin_step(
     if !topology.bends.listed.is_empty() {
         context.bends.reserve(particles.layout.cells() * LANES);
     }
-    context.bend_scale = settings.iterations as f32 / (effective_substep * effective_substep);
+    let solves = if topology.membrane.is_some() { 1 } else { settings.iterations };
+    context.compliance_scale = solves as f32 / (effective_substep * effective_substep);
     context.damping.clear();
     context.damping.extend(materials.map(|m| substep_damping(m, substep)));
     if context.integrated.cells.len() != particles.layout.cells() {
@@ -54,7 +55,7 @@ pub(crate) fn begin_step(
         // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
         settings.structural = StructuralSolve::Lines;
     }
-    if settings.structural == StructuralSolve::Lines || topology.bends.lines.is_some() {
+    if settings.structural == StructuralSolve::Lines || topology.has_elastic_lines() {
         plan.lines.reserve(topology);
     }
     let frame = particles.frame.as_ref();

@@ -122,6 +122,8 @@ impl Plan {
         }
         let settings = &settings;
         self.list_lines(topology, settings, stiffness);
+        // Tethers would keep a membrane from stretching.
+        let has_tethers = settings.tethers && !topology.tethers.is_empty() && topology.membrane.is_none();
         self.stages.clear();
         self.first_of_stage.clear();
         for (stage, projection) in order.of_body(projections) {
@@ -139,10 +141,10 @@ impl Plan {
                 BodyStage::Sticks if has_sticks => {
                     self.push_sticks(topology, settings, stiffness, projection % 2 == 1);
                 }
-                BodyStage::Tethers if has_sticks && settings.tethers && !topology.tethers.is_empty() => {
+                BodyStage::Tethers if has_sticks && has_tethers => {
                     self.stages.push(StripStage::Tethers);
                 }
-                BodyStage::Lines if has_sticks && !self.lines.is_empty() => {
+                BodyStage::Lines if self.solves_lines(topology, projection, settings.iterations) => {
                     self.places_of_lines.push(self.stages.len());
                 }
                 BodyStage::Update => {
@@ -171,7 +173,7 @@ impl Plan {
         let first = self.stages.len();
         let is_swept = |&batch: &usize| {
             stiffness[batch] > 0.0
-                && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
+                && Lines::of(&topology.batches[batch], stiffness[batch], topology, settings).is_none()
         };
         let mut active = 0;
         for batch in (0..stiffness.len()).filter(is_swept) {
@@ -190,12 +192,16 @@ impl Plan {
     fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
-        let both = [Lines::Columns, Lines::Rows];
-        let bends = |lines: Lines| Some((lines, Solved::Bends(lines.compliance(topology)?)));
-        self.lines.extend(both.into_iter().filter_map(bends));
-        let sticks =
-            |lines: Lines| Some((lines, Solved::Sticks(lines.rest_length(topology, stiffness, settings)?)));
-        self.lines.extend(both.into_iter().filter_map(sticks));
+        let all = [Lines::Diagonals, Lines::Antidiagonals, Lines::Columns, Lines::Rows];
+        self.lines.extend(all.into_iter().filter_map(|lines| Some((lines, lines.bends(topology)?))));
+        let sticks = |lines: Lines| Some((lines, lines.sticks(topology, stiffness, settings)?));
+        self.lines.extend(all.into_iter().filter_map(sticks));
+    }
+
+    /// True if lines are solved in this iteration: in each, but those of a membrane only in the last, as a spring pulls once.
+    fn solves_lines(&self, topology: &Topology, iteration: u32, iterations: u32) -> bool {
+        let is_last = iteration + 1 == iterations;
+        !self.lines.is_empty() && iteration < iterations && (topology.membrane.is_none() || is_last)
     }
 
     /// Adds a batch of sticks. Listed batches that follow each other share a stage, and so do loose ones.

@@ -31,6 +31,7 @@ mod intrusion;
 mod joints;
 mod layer_gaps;
 mod lines;
+mod membrane;
 mod mesh;
 mod mesh_cloth;
 mod momentum;

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape as drape;
+use bevy_drape::body::MembraneStiffness;
 use bevy_drape::prelude::{BendingRigidity, Fabric};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,10 @@ pub struct Cloth {
     /// Rigidity in bending in N m, along the warp and along the weft; (0, 0) by default.
     #[serde(deserialize_with = "bracketed")]
     pub bending_rigidity: (NonNegative, NonNegative),
+    /// Resistance to stretch along the warp, along the weft, and to shear, in N/m; (0, 0, 0) by default. Where a number is not zero, it takes
+    /// the place of the stiffness.
+    #[serde(deserialize_with = "bracketed")]
+    pub membrane_stiffness: (NonNegative, NonNegative, NonNegative),
     /// Damping along the sticks in 1/s.
     pub damping: NonNegative,
     /// Which particles are fixed; the top edge by default.
@@ -85,6 +90,7 @@ impl Default for Cloth {
             shear_stiffness: Fraction::known(fabric.shear_stiffness),
             bend_stiffness: Fraction::known(fabric.bend_stiffness),
             bending_rigidity: (NonNegative::known(0.0), NonNegative::known(0.0)),
+            membrane_stiffness: [NonNegative::known(0.0); 3].into(),
             damping: NonNegative::known(fabric.damping),
             pins: Pins::Top,
             at: Vector::default(),
@@ -126,10 +132,15 @@ impl From<&Cloth> for Fabric {
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             bending_rigidity: rigidity(cloth.bending_rigidity),
+            membrane_stiffness: membrane(cloth.membrane_stiffness),
             damping: cloth.damping.get(),
             ..Self::default()
         }
     }
+}
+
+fn membrane((warp, weft, shear): (NonNegative, NonNegative, NonNegative)) -> MembraneStiffness {
+    MembraneStiffness { warp: warp.get(), weft: weft.get(), shear: shear.get() }
 }
 
 /// Rigidity in bending along warp and weft.

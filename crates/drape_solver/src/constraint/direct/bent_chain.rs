@@ -20,10 +20,10 @@
 //!
 //! Design: `docs/design/bending.md`.
 
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::LEAST_WEIGHT;
-use crate::constraint::direct::chain::Chains;
+use crate::constraint::direct::chain::{Chains, compliances};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
@@ -60,9 +60,7 @@ impl Chains<'_> {
     fn eliminate_bends<S: Simd>(&self, simd: S, bends: &mut [ChainBend], compliance: f32, edges: u16) {
         let splat = |value| f32x16::splat(simd, value);
         let (zero, one, two) = (splat(0.0), splat(1.0), splat(2.0));
-        // At an edge of the cloth a bend is half as wide.
-        let edges = mask32x16::from_bitmask(simd, u64::from(edges));
-        let own_compliance = edges.select(splat(2.0 * compliance), splat(compliance));
+        let own_compliance = compliances(simd, compliance, edges);
         let [mut wa, mut wb] = [0, 1].map(|i| self.inverse_mass(simd, i));
         let mut b = self.position(simd, 1);
         let mut above = b.minus(self.position(simd, 0));

@@ -4,11 +4,13 @@
 //!   x0 o---C0---o x1 ---C1---o x2 --- ...      C_i = |x_{i+1} - x_i| - r,   n_i = (x_{i+1} - x_i) / |x_{i+1} - x_i|
 //! ```
 //!
-//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
+//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if, with `c = 0`,
 //!
 //! ```text
-//!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1}) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i
+//!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1} + c) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i
 //! ```
+//!
+//! Sticks with a compliance keep `C_i = c lambda_i`, with `c` over the square of the substep: one implicit step of springs.
 //!
 //! This is a tridiagonal system: one elimination down the chain and one substitution back up (Thomas). Sweeps carry a
 //! pull by a few sticks; this carries it through the whole chain. It is the projection onto the manifold of the
@@ -19,10 +21,14 @@
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT};
+use crate::constants::{
+    CHAIN_REGULARISER, CHAIN_STEP, ELASTIC_REGULARISER, GREATEST_INVERSE_MASS, LEAST_WEIGHT, TAUT,
+};
+use crate::constraint::direct::taut_chain::ChainTurn;
 use crate::constraint::projection::Projection;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
+use crate::state::membrane::ElasticStick;
 
 /// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
 ///
@@ -39,19 +45,20 @@ pub(crate) struct Chains<'a> {
 /// Scratch of the stick below each particle.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-struct ChainSticks {
+pub(super) struct ChainSticks {
     /// One over its length: the factor from separation to direction.
-    scale: [f32; LANES],
+    pub scale: [f32; LANES],
     /// Factor of the next multiplier in the eliminated system.
     upper: [f32; LANES],
     /// The right-hand side on the way down; the multiplier times the scale on the way up.
-    right: [f32; LANES],
+    pub right: [f32; LANES],
 }
 
 /// Scratch of a solve. Only its memory outlives the solve.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ChainScratch {
-    sticks: Vec<ChainSticks>,
+    pub(super) sticks: Vec<ChainSticks>,
+    pub(super) turns: Vec<ChainTurn>,
 }
 
 impl ChainScratch {
@@ -59,17 +66,18 @@ impl ChainScratch {
     pub fn reserve(&mut self, count: usize) {
         if self.sticks.len() < count {
             self.sticks.resize(count, ChainSticks::default());
+            self.turns.resize(count, ChainTurn::default());
         }
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.sticks)
+        size_of_val(&*self.sticks) + size_of_val(&*self.turns)
     }
 }
 
 impl Chains<'_> {
-    /// One Newton step on all sticks of these chains, of length `rest` (metres) at rest.
+    /// One Newton step on all sticks of these chains. `edges` has the lanes of chains at an edge of the cloth.
     ///
     /// If the step is too long for the sticks to count as straight, a chain takes only a part of it, and its sticks are
     /// relaxed one by one from there.
@@ -77,13 +85,14 @@ impl Chains<'_> {
         &mut self,
         simd: S,
         scratch: &mut ChainScratch,
-        rest: f32,
+        stick: ElasticStick,
+        edges: u16,
         projection: impl Projection,
     ) {
         if self.count >= 2 {
             simd.vectorize(
                 #[inline(always)]
-                || self.solve_lanes(simd, scratch, rest, projection),
+                || self.solve_lanes(simd, scratch, stick, edges, projection),
             );
         }
     }
@@ -93,24 +102,41 @@ impl Chains<'_> {
         &mut self,
         simd: S,
         scratch: &mut ChainScratch,
-        rest: f32,
+        stick: ElasticStick,
+        edges: u16,
         projection: impl Projection,
     ) {
-        self.eliminate(simd, scratch, rest);
-        let turn = self.substitute(simd, scratch);
+        let rest = stick.rest;
+        let compliance = compliances(simd, stick.compliance, edges);
+        self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
+        let [mut turn, tautness] = self.substitute(simd, scratch);
+        let is_taut = tautness.simd_gt(f32x16::splat(simd, TAUT));
+        if is_taut.any_true() {
+            turn = is_taut.select(self.turn(simd, scratch), turn);
+        }
         let limit = CHAIN_STEP * rest;
         let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
-        let one = f32x16::splat(simd, 1.0);
+        let [zero, one] = [0.0, 1.0].map(|value| f32x16::splat(simd, value));
         let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
-        self.apply(simd, scratch, part);
+        self.apply(simd, scratch, is_taut.select(zero, part));
+        if is_taut.any_true() {
+            self.apply_turns(simd, scratch, is_taut.select(part, zero));
+        }
         if is_too_long.any_true() {
-            self.sweep(simd, is_too_long, rest, projection);
+            self.sweep(simd, is_too_long, rest, compliance, projection);
         }
     }
 
     /// Elimination down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
     #[inline(always)]
-    fn eliminate<S: Simd>(&self, simd: S, scratch: &mut ChainScratch, rest: f32) {
+    fn eliminate<S: Simd>(
+        &self,
+        simd: S,
+        scratch: &mut ChainScratch,
+        rest: f32,
+        regulariser: f32,
+        compliance: f32x16<S>,
+    ) {
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
         let least = f32x16::splat(simd, LEAST_WEIGHT);
@@ -133,7 +159,8 @@ impl Chains<'_> {
             let error = (has_length & is_free).select(length - rest, zero);
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
-            let pivot = (weight * (1.0 + CHAIN_REGULARISER)).max(least) - lower * upper_above;
+            let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(least);
+            let pivot = own - lower * upper_above;
             let inverse = one / pivot;
             let right = (error + lower * right_above) * inverse;
             if i > 0 {
@@ -147,15 +174,15 @@ impl Chains<'_> {
     }
 
     /// Substitution up the chain: leaves each multiplier times the scale of its stick. Returns the square of the
-    /// greatest move of a stick's two ends against each other.
+    /// greatest move of a stick's two ends against each other, and the greatest pull over length and mass.
     #[inline(always)]
-    fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
+    fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> [f32x16<S>; 2] {
         let zero = f32x16::splat(simd, 0.0);
         let none = Lanes3 { x: zero, y: zero, z: zero };
         let sticks = &mut scratch.sticks[..self.count];
         let (mut multiplier, mut pull, mut step_below) = (zero, none, none);
         let mut b = self.position(simd, self.count - 1);
-        let mut greatest = zero;
+        let (mut greatest, mut tautness) = (zero, zero);
         for i in (0..self.count - 1).rev() {
             let a = self.position(simd, i);
             multiplier = load(simd, &sticks[i].right) + load(simd, &sticks[i].upper) * multiplier;
@@ -163,7 +190,9 @@ impl Chains<'_> {
             sticks[i].right = scaled.to_array();
             // The stick of the previous round pulls the particle below down, and this one pulls it up.
             let pull_up = b.minus(a).times(scaled);
-            let step = pull.minus(pull_up).times(self.inverse_mass(simd, i + 1));
+            let w = self.inverse_mass(simd, i + 1);
+            tautness = tautness.max(scaled * w);
+            let step = pull.minus(pull_up).times(w);
             if i + 2 < self.count {
                 let turn = step_below.minus(step);
                 greatest = greatest.max(turn.dot(turn));
@@ -171,7 +200,7 @@ impl Chains<'_> {
             (b, pull, step_below) = (a, pull_up, step);
         }
         let turn = step_below.minus(pull.times(self.inverse_mass(simd, 0)));
-        greatest.max(turn.dot(turn))
+        [greatest.max(turn.dot(turn)), tautness]
     }
 
     /// Moves each particle by `part` of its step.
@@ -195,7 +224,14 @@ impl Chains<'_> {
 
     /// Relaxes every second stick, then the others, in the lanes of `is_swept`.
     #[inline(always)]
-    fn sweep<S: Simd>(&mut self, simd: S, is_swept: mask32x16<S>, rest: f32, projection: impl Projection) {
+    fn sweep<S: Simd>(
+        &mut self,
+        simd: S,
+        is_swept: mask32x16<S>,
+        rest: f32,
+        compliance: f32x16<S>,
+        projection: impl Projection,
+    ) {
         let zero = f32x16::splat(simd, 0.0);
         let least = f32x16::splat(simd, LEAST_WEIGHT);
         for i in (0..self.count - 1).step_by(2).chain((1..self.count - 1).step_by(2)) {
@@ -205,7 +241,7 @@ impl Chains<'_> {
             let delta = q.minus(p);
             let error =
                 is_swept.select(projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest)), zero);
-            let scale = error / (wa + wb).max(least);
+            let scale = error / ((wa + wb).max(least) + compliance);
             p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
             q.minus(delta.times(scale * wb)).store(&mut self.position[b]);
         }
@@ -223,6 +259,18 @@ impl Chains<'_> {
     }
 }
 
+/// The least compliance of sticks, in parts of the inverse masses of their ends.
+pub(super) fn regulariser(stick: ElasticStick) -> f32 {
+    if stick.compliance > 0.0 { ELASTIC_REGULARISER } else { CHAIN_REGULARISER }
+}
+
+/// Compliance by lane: at an edge of the cloth it is twice that inside.
+#[inline(always)]
+pub(super) fn compliances<S: Simd>(simd: S, inside: f32, edges: u16) -> f32x16<S> {
+    let is_edge = mask32x16::from_bitmask(simd, u64::from(edges));
+    is_edge.select(f32x16::splat(simd, 2.0 * inside), f32x16::splat(simd, inside))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,9 +283,13 @@ mod tests {
     use crate::simd::isa::{Isa, Kernel};
 
     const REST: f32 = 0.1;
+    const RIGID: ElasticStick = ElasticStick { rest: REST, compliance: 0.0 };
+    /// As soft as some of the particles are light.
+    const SOFT: ElasticStick = ElasticStick { rest: REST, compliance: 5.0 };
+    const EDGES: u16 = 0x8001;
 
     /// One chain, in double precision and stick by stick.
-    fn solved(position: &[Vec3], inverse_mass: &[f32]) -> Vec<DVec3> {
+    fn solved(position: &[Vec3], inverse_mass: &[f32], compliance: f64) -> Vec<DVec3> {
         let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
         let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
         let sticks = position.len() - 1;
@@ -247,7 +299,9 @@ mod tests {
         for i in 0..sticks {
             let weight = w[i] + w[i + 1];
             let is_alive = weight > 0.0 && n[i] != DVec3::ZERO;
-            rows[i][i] = if weight > 0.0 { weight * (1.0 + f64::from(CHAIN_REGULARISER)) } else { 1.0 };
+            let least = if compliance > 0.0 { ELASTIC_REGULARISER } else { CHAIN_REGULARISER };
+            let regular = (weight * f64::from(least)).max(compliance);
+            rows[i][i] = if weight > 0.0 { weight + regular } else { 1.0 };
             right[i] = if is_alive { delta(i).length() - f64::from(REST) } else { 0.0 };
             if i > 0 {
                 rows[i][i - 1] = -w[i] * n[i - 1].dot(n[i]);
@@ -262,7 +316,7 @@ mod tests {
         position
     }
 
-    struct Solve<'a>(Chains<'a>);
+    struct Solve<'a>(Chains<'a>, ElasticStick);
 
     impl Kernel for Solve<'_> {
         type Output = ();
@@ -271,7 +325,7 @@ mod tests {
         fn run<S: Simd>(mut self, simd: S) {
             let mut scratch = ChainScratch::default();
             scratch.reserve(self.0.count);
-            self.0.solve(simd, &mut scratch, REST, Exact);
+            self.0.solve(simd, &mut scratch, self.1, EDGES, Exact);
         }
     }
 
@@ -295,27 +349,30 @@ mod tests {
         (position, inverse_mass)
     }
 
+    /// The width of the sticks of a lane's chain, in parts of those inside the cloth.
+    fn width_share(lane: usize) -> f64 {
+        if EDGES & (1 << lane) == 0 { 1.0 } else { 0.5 }
+    }
+
     fn lane_of<T>(count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
         (0..count).map(|i| of(1 + 2 * i)).collect()
     }
 
     #[test]
     fn chains_go_where_the_whole_matrix_says() {
-        for isa in Isa::available() {
+        for (isa, stick) in Isa::available().into_iter().flat_map(|isa| [(isa, RIGID), (isa, SOFT)]) {
             for count in [2, 3, unless_miri(8, 4), unless_miri(61, 5)] {
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
-                isa.run(Solve(Chains {
-                    position: &mut position,
-                    inverse_mass: &inverse_mass,
-                    first: 1,
-                    stride: 2,
-                    count,
-                }));
+                let (first, stride) = (1, 2);
+                let chains =
+                    Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+                isa.run(Solve(chains, stick));
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
-                    for (i, expected) in solved(&start, &weights).into_iter().enumerate() {
+                    let compliance = f64::from(stick.compliance) * width_share(lane).recip();
+                    for (i, expected) in solved(&start, &weights, compliance).into_iter().enumerate() {
                         let found = position[1 + 2 * i].get(lane).as_dvec3();
                         assert!(found.distance(expected) < 1e-5, "{} {count} {lane} {i}", isa.name());
                     }
@@ -329,23 +386,24 @@ mod tests {
     /// The scalar form, which ropes run: short and long steps, to the bit.
     #[test]
     fn each_lane_does_what_a_lone_chain_does() {
-        for stretched in [0.02, 1.0] {
+        for (stretched, stick) in [(0.02, RIGID), (1.0, RIGID), (0.02, SOFT), (1.0, SOFT)] {
             for count in [2, 3, unless_miri(40, 5)] {
                 let (mut position, inverse_mass) = chains(count, stretched);
                 let mut lone = position.clone();
                 let mut sticks = vec![LoneStick::default(); count];
                 for lane in 0..LANES {
                     let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
+                    let compliance = stick.compliance / width_share(lane) as f32;
                     LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
                         &mut sticks,
-                        REST,
+                        ElasticStick { compliance, ..stick },
                         Exact,
                     );
                 }
                 let (first, stride) = (1, 2);
                 let chains =
                     Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
-                Isa::detected().run(Solve(chains));
+                Isa::detected().run(Solve(chains, stick));
                 assert!(position == lone, "{count} particles, {stretched}");
             }
         }
@@ -357,13 +415,9 @@ mod tests {
         let count = unless_miri(40, 6);
         let (mut position, inverse_mass) = chains(count, 1.0);
         let before = position.clone();
-        Isa::detected().run(Solve(Chains {
-            position: &mut position,
-            inverse_mass: &inverse_mass,
-            first: 1,
-            stride: 2,
-            count,
-        }));
+        let (first, stride) = (1, 2);
+        let chains = Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+        Isa::detected().run(Solve(chains, RIGID));
         for lane in 0..LANES {
             for i in 0..count - 1 {
                 let stick = |cells: &[Cell]| cells[3 + 2 * i].get(lane) - cells[1 + 2 * i].get(lane);

@@ -23,67 +23,105 @@ use crate::simd::transpose::transpose;
 use crate::state::bends::{BentGrid, is_at_edge};
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::{ElasticStick, Membrane};
 use crate::state::settings::{BodySettings, StickProjection, StructuralSolve};
 use crate::state::substep::Substep;
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
-/// The rows or the columns of a grid.
+/// The lines of a grid in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lines {
     Rows,
     Columns,
+    /// From the upper left to the lower right.
+    Diagonals,
+    /// From the upper right to the lower left.
+    Antidiagonals,
 }
 
 impl Lines {
-    /// The lines that the sticks of `batch` form, if they are to be solved directly: structural sticks of a grid that
-    /// lose all of their error at a `stiffness` per iteration.
-    pub fn of(batch: &StickBatch, stiffness: f32, settings: &BodySettings) -> Option<Self> {
-        if settings.structural == StructuralSolve::Sweeps
-            || batch.material.kind != StickKind::Structural
-            || stiffness < 1.0
-        {
-            return None;
-        }
-        let BatchSticks::Grid { batch, .. } = &batch.sticks else {
-            return None;
+    /// The lines that the sticks of `batch` form, if they are to be solved directly: structural sticks of a whole grid that have a
+    /// compliance, or lose all of their error at a `stiffness` per iteration and are to be solved so.
+    pub fn of(
+        batch: &StickBatch,
+        stiffness: f32,
+        topology: &Topology,
+        settings: &BodySettings,
+    ) -> Option<Self> {
+        let (offset, is_small) = match (&batch.sticks, &topology.membrane) {
+            (BatchSticks::Grid { batch, .. }, _) => (batch.offset(), false),
+            // Small grids have their sticks in lists.
+            (BatchSticks::Listed(_), Some(membrane)) => {
+                let ends = topology.stick(batch.first).map(|end| end as usize);
+                let [[from, above], [to, below]] =
+                    ends.map(|end| [end % membrane.size[0], end / membrane.size[0]]);
+                ((to as isize - from as isize, below - above), true)
+            }
+            _ => return None,
         };
-        match batch.offset() {
-            (1, 0) => Some(Self::Rows),
-            (0, 1) => Some(Self::Columns),
-            _ => None,
-        }
+        let lines = match offset {
+            (1, 0) => Self::Rows,
+            (0, 1) => Self::Columns,
+            (1, 1) => Self::Diagonals,
+            (-1, 1) => Self::Antidiagonals,
+            _ => return None,
+        };
+        let is_rigid = settings.structural == StructuralSolve::Lines
+            && !is_small
+            && batch.material.kind == StickKind::Structural
+            && stiffness >= 1.0;
+        (is_rigid || lines.elastic_sticks(topology).is_some()).then_some(lines)
     }
 
-    /// Rest length in metres of the sticks of these lines; none if none are to be solved directly.
-    pub fn rest_length(self, topology: &Topology, stiffness: &[f32], settings: &BodySettings) -> Option<f32> {
-        let batches = topology.batches.iter().zip(stiffness);
-        let mut own =
-            batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));
-        own.find_map(|(batch, _)| match batch.sticks {
-            BatchSticks::Grid { rest_length, .. } => Some(rest_length),
-            BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
+    /// The sticks of these lines; none if none are to be solved directly.
+    pub fn sticks(self, topology: &Topology, stiffness: &[f32], settings: &BodySettings) -> Option<Solved> {
+        self.elastic_sticks(topology).or_else(|| {
+            let batches = topology.batches.iter().zip(stiffness);
+            let mut own = batches
+                .filter(|&(batch, &stiffness)| Self::of(batch, stiffness, topology, settings) == Some(self));
+            own.find_map(|(batch, _)| match batch.sticks {
+                BatchSticks::Grid { rest_length, .. } => {
+                    Some(Solved::Sticks(ElasticStick { rest: rest_length, compliance: 0.0 }))
+                }
+                BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
+            })
         })
     }
 
-    /// Compliance in m/N of the bends along these lines; none if they do not resist.
-    pub fn compliance(self, topology: &Topology) -> Option<f32> {
-        let [rows, columns] = topology.bends.lines?.compliance;
-        match self {
-            Self::Rows => rows,
-            Self::Columns => columns,
-        }
+    /// The sticks of these lines that have a compliance.
+    fn elastic_sticks(self, topology: &Topology) -> Option<Solved> {
+        let membrane = topology.membrane.as_ref()?;
+        let sticks = match self {
+            Self::Rows => membrane.rows,
+            Self::Columns => membrane.columns,
+            Self::Diagonals | Self::Antidiagonals => membrane.diagonals,
+        };
+        sticks.map(Solved::Sticks)
     }
 
-    /// The number of lines, and of particles in a line.
+    /// The bends of these lines; none if they do not resist.
+    pub fn bends(self, topology: &Topology) -> Option<Solved> {
+        let [rows, columns] = topology.bends.lines?.compliance;
+        let compliance = match self {
+            Self::Rows => rows,
+            Self::Columns => columns,
+            Self::Diagonals | Self::Antidiagonals => None,
+        };
+        compliance.map(Solved::Bends)
+    }
+
+    /// The number of lines, and of places in a line.
     fn size(self, RuledGrid { columns, rows, .. }: RuledGrid) -> (usize, usize) {
         match self {
             Self::Rows => (rows, columns),
             Self::Columns => (columns, rows),
+            Self::Diagonals | Self::Antidiagonals => (columns, rows + 2 * (rows - 1).div_ceil(columns)),
         }
     }
 
     fn storage(self, grid: RuledGrid) -> LineStorage {
         match (self, grid.patches) {
+            (Self::Diagonals | Self::Antidiagonals, _) => LineStorage::Gathered,
             _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
             (Self::Rows, Some(patches)) if patches.down == 1 => LineStorage::Transposed,
             (Self::Columns, Some(patches)) if patches.down == 1 => LineStorage::InPlace,
@@ -91,20 +129,61 @@ impl Lines {
         }
     }
 
-    /// The index of particle `i` of line `line`.
-    fn index(self, grid: RuledGrid, line: usize, i: usize) -> usize {
+    /// The places of line `line`.
+    ///
+    /// Diagonals go on at the other side of the grid, so that all have a particle in each row. Two ghosts cut the line there, at the
+    /// places of the particles on both sides: sticks without length do not pull.
+    fn places(self, grid: RuledGrid, line: usize) -> Vec<LinePlace> {
+        let RuledGrid { columns, rows, .. } = grid;
+        let particle =
+            |column: usize, row: usize| LinePlace { index: row * columns + column, is_ghost: false };
+        let column_of = |row: usize| match self {
+            Self::Diagonals => (line + row) % columns,
+            _ => columns - 1 - (line + row) % columns,
+        };
+        let mut places = Vec::with_capacity(self.size(grid).1);
         match self {
-            Self::Rows => line * grid.columns + i,
-            Self::Columns => i * grid.columns + line,
+            Self::Rows => places.extend((0..columns).map(|column| particle(column, line))),
+            Self::Columns => places.extend((0..rows).map(|row| particle(line, row))),
+            Self::Diagonals | Self::Antidiagonals => {
+                for row in 0..rows {
+                    let place = particle(column_of(row), row);
+                    if let Some(&before) = places.last()
+                        && (line + row) % columns == 0
+                    {
+                        places.extend([before, place].map(LinePlace::ghost));
+                    }
+                    places.push(place);
+                }
+                let last = particle(column_of(rows - 1), rows - 1).ghost();
+                places.resize(self.size(grid).1, last);
+            }
         }
+        places
     }
 }
+
+/// A particle of a line, or a ghost of it, which is pinned there and stays behind.
+#[derive(Clone, Copy, Debug)]
+struct LinePlace {
+    index: usize,
+    is_ghost: bool,
+}
+
+impl LinePlace {
+    fn ghost(self) -> Self {
+        Self { is_ghost: true, ..self }
+    }
+}
+
+/// Marks the slot of a ghost.
+const GHOST: u32 = 1 << 31;
 
 /// The resistance of lines that are solved directly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Solved {
-    /// Sticks of this length at rest, in metres.
-    Sticks(f32),
+    /// Sticks, with their compliance in m/N.
+    Sticks(ElasticStick),
     /// Bends of this compliance inside the cloth, in m/N.
     Bends(f32),
 }
@@ -120,14 +199,16 @@ struct RuledGrid {
 impl RuledGrid {
     /// The whole grid of a topology.
     fn of(topology: &Topology) -> Option<Self> {
-        match (&topology.layout, topology.bends.lines) {
-            (&Layout::Grid(grid), _) => {
-                Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) })
+        let small = || {
+            let bent = topology.bends.lines.map(|BentGrid { columns, rows, .. }| [columns, rows]);
+            bent.or_else(|| topology.membrane.map(|Membrane { size, .. }| size))
+        };
+        match &topology.layout {
+            &Layout::Grid(grid) => Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) }),
+            Layout::Linear { .. } | Layout::Renumbered(_) => {
+                small().map(|[columns, rows]| Self { columns, rows, patches: None })
             }
-            (Layout::Linear { .. } | Layout::Renumbered(_), Some(BentGrid { columns, rows, .. })) => {
-                Some(Self { columns, rows, patches: None })
-            }
-            _ => None,
+            Layout::Torn(_) => None,
         }
     }
 }
@@ -158,8 +239,8 @@ pub(crate) struct LineScratch {
     inverse_mass: Vec<[f32; LANES]>,
     lone: Vec<LoneStick>,
     /// Slots of gathered and lone lines: those of their first particles, then of their second, and so on, for up to
-    /// sixteen lines at a time.
-    slots: [Vec<u32>; 2],
+    /// sixteen lines at a time. Ghosts are [marked](GHOST).
+    slots: [Vec<u32>; 4],
     grid: Option<RuledGrid>,
 }
 
@@ -178,7 +259,9 @@ impl LineScratch {
         if self.grid == Some(grid) {
             return;
         }
-        for lines in [Lines::Rows, Lines::Columns] {
+        let diagonals = topology.membrane.is_some_and(|membrane| membrane.diagonals.is_some());
+        let all = [Lines::Rows, Lines::Columns, Lines::Diagonals, Lines::Antidiagonals];
+        for lines in all.into_iter().take(if diagonals { 4 } else { 2 }) {
             let (_, count) = lines.size(grid);
             let storage = lines.storage(grid);
             // Transposed rows include the ghosts at their end.
@@ -221,12 +304,10 @@ fn solve_chains<S: Simd>(
     is_edge: impl Fn(usize) -> bool,
     projection: impl Projection,
 ) {
+    let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
     match solved {
-        Solved::Sticks(rest) => chains.solve(simd, chain, rest, projection),
-        Solved::Bends(compliance) => {
-            let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
-            chains.bend(simd, bends, compliance, edges);
-        }
+        Solved::Sticks(stick) => chains.solve(simd, chain, stick, edges, projection),
+        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
     }
 }
 
@@ -239,9 +320,13 @@ fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> {
     };
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
-    let places = bundles.flat_map(|bundle| (0..count).map(move |i| (bundle.clone(), i)));
-    let slot = |line: usize, i: usize| layout.slot(lines.index(grid, line, i)) as u32;
-    places.flat_map(|(bundle, i)| bundle.map(move |line| slot(line, i))).collect()
+    let slot = |place: LinePlace| layout.slot(place.index) as u32 | if place.is_ghost { GHOST } else { 0 };
+    let mut slots = Vec::with_capacity(number * count);
+    for bundle in bundles {
+        let all: Vec<_> = bundle.map(|line| lines.places(grid, line)).collect();
+        slots.extend((0..count).flat_map(|i| all.iter().map(move |places| slot(places[i]))));
+    }
+    slots
 }
 
 /// Solves the lines of a body, as its plan lists them.
@@ -254,8 +339,9 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
-    let bend_scale = context.bend_scale;
-    let solve = LineSolve { grid, position, inverse_mass, lone_steps, bend_scale, length_ratio, scratch };
+    let compliance_scale = context.compliance_scale;
+    let solve =
+        LineSolve { grid, position, inverse_mass, lone_steps, compliance_scale, length_ratio, scratch };
     match settings.projection {
         StickProjection::Exact => substep.isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => {
@@ -290,8 +376,8 @@ struct LineSolve<'a> {
     /// straight, so its pull is far too strong for the smallest waves on it: one step in a substep leaves them
     /// oscillating, a second removes them.
     lone_steps: u32,
-    /// Iterations over the square of a substep, in 1/s^2.
-    bend_scale: f32,
+    /// Line solves in a substep over its square, in 1/s^2.
+    compliance_scale: f32,
     /// Factor on rest lengths.
     length_ratio: f32,
     scratch: &'a mut LineScratch,
@@ -302,8 +388,11 @@ impl LineSolve<'_> {
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, lines: Lines, mut solved: Solved, projection: impl Projection) {
         match &mut solved {
-            Solved::Sticks(rest_length) => *rest_length *= self.length_ratio,
-            Solved::Bends(compliance) => *compliance *= self.bend_scale,
+            Solved::Sticks(stick) => {
+                stick.rest *= self.length_ratio;
+                stick.compliance *= self.compliance_scale;
+            }
+            Solved::Bends(compliance) => *compliance *= self.compliance_scale,
         }
         match (lines.storage(self.grid), solved, self.grid.patches) {
             (LineStorage::InPlace, _, Some(patches)) => {
@@ -312,7 +401,7 @@ impl LineSolve<'_> {
             (LineStorage::Transposed, _, Some(patches)) => {
                 self.transposed_rows(simd, patches, solved, projection);
             }
-            (LineStorage::Lone, Solved::Sticks(rest), _) => self.lone(lines, rest, projection),
+            (LineStorage::Lone, Solved::Sticks(stick), _) => self.lone(lines, stick, projection),
             // Lone lines that bend are gathered one by one.
             (LineStorage::Lone, ..) => self.gathered(simd, lines, 1, solved, projection),
             _ => self.gathered(simd, lines, LANES, solved, projection),
@@ -320,12 +409,17 @@ impl LineSolve<'_> {
     }
 
     #[inline(always)]
-    fn lone(&mut self, lines: Lines, rest: f32, projection: impl Projection) {
+    fn lone(&mut self, lines: Lines, stick: ElasticStick, projection: impl Projection) {
         let Self { grid, position, inverse_mass, lone_steps, scratch, .. } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
-        for slots in slots[lines as usize].chunks_exact(lines.size(*grid).1) {
-            for _ in 0..*lone_steps {
-                LoneChain { position, inverse_mass, slots }.solve(lone, rest, projection);
+        let (number, count) = lines.size(*grid);
+        // A second step would pull once more at a spring.
+        let steps = if stick.compliance > 0.0 { 1 } else { *lone_steps };
+        for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
+            let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
+            let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
+            for _ in 0..steps {
+                LoneChain { position, inverse_mass, slots }.solve(lone, stick, projection);
             }
         }
     }
@@ -446,17 +540,21 @@ impl LineSolve<'_> {
             // Spare lanes keep their old values, which nothing reads.
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
-                    let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);
+                    let place = (slot & !GHOST) as usize;
+                    let (from, in_lane) = (place / LANES, place % LANES);
                     gathered[i].set(lane, position[from].get(in_lane));
-                    gathered_mass[i][lane] = inverse_mass[from][in_lane];
+                    gathered_mass[i][lane] =
+                        if slot & GHOST == 0 { inverse_mass[from][in_lane] } else { 0.0 };
                 }
             }
             let chains =
                 Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count };
-            let is_edge = |lane| is_at_edge(first + lane, number);
+            // A diagonal belongs to one square alone.
+            let is_side = matches!(lines, Lines::Rows | Lines::Columns);
+            let is_edge = |lane| is_side && is_at_edge(first + lane, number);
             solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
-                for (lane, &slot) in slots.iter().enumerate() {
+                for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot & GHOST == 0) {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
                 }
             }

@@ -5,11 +5,13 @@
 
 use glam::Vec3;
 
-use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT};
+use crate::constants::{CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT, TAUT};
+use crate::constraint::direct::chain::regulariser;
 use crate::constraint::projection::Projection;
 use crate::simd::columns::{Cell, LANES};
+use crate::state::membrane::ElasticStick;
 
-/// Scratch of a stick.
+/// Scratch of a particle and of the stick below it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LoneStick {
     /// One over its length.
@@ -18,6 +20,15 @@ pub(crate) struct LoneStick {
     upper: f32,
     /// The right-hand side on the way down; the multiplier times the scale on the way up.
     right: f32,
+    turn: LoneTurn,
+}
+
+/// Scratch of a particle in a taut chain, as [`taut_chain`](crate::constraint::direct::taut_chain) explains.
+#[derive(Clone, Copy, Debug, Default)]
+struct LoneTurn {
+    step: Vec3,
+    across: Vec3,
+    upper: f32,
 }
 
 /// A chain of the particles in these slots.
@@ -28,29 +39,41 @@ pub(crate) struct LoneChain<'a> {
 }
 
 impl LoneChain<'_> {
-    /// One Newton step on all its sticks, of length `rest` (metres) at rest. `sticks` is scratch.
+    /// One Newton step on all its sticks. `sticks` is scratch.
     #[inline(always)]
-    pub fn solve(&mut self, sticks: &mut [LoneStick], rest: f32, projection: impl Projection) {
+    pub fn solve(&mut self, sticks: &mut [LoneStick], stick: ElasticStick, projection: impl Projection) {
         let Some(count) = self.slots.len().checked_sub(1).filter(|&count| count > 0) else {
             return;
         };
-        let sticks = &mut sticks[..count];
-        self.eliminate(sticks, rest);
-        let turn = self.substitute(sticks);
-        let limit = CHAIN_STEP * rest;
+        let sticks = &mut sticks[..=count];
+        self.eliminate(sticks, stick);
+        let [mut turn, tautness] = self.substitute(sticks);
+        let is_taut = tautness > TAUT;
+        if is_taut {
+            turn = self.turn(sticks);
+        }
+        let limit = CHAIN_STEP * stick.rest;
         let is_too_long = turn > limit * limit;
-        self.apply(sticks, if is_too_long { limit / turn.sqrt() } else { 1.0 });
+        let part = if is_too_long { limit / turn.sqrt() } else { 1.0 };
+        if is_taut {
+            for (i, stick) in sticks.iter().enumerate() {
+                self.set_position(i, self.position(i) + stick.turn.step * part);
+            }
+        } else {
+            self.apply(sticks, part);
+        }
         if is_too_long {
-            self.sweep(rest, projection);
+            self.sweep(stick, projection);
         }
     }
 
     #[inline(always)]
-    fn eliminate(&self, sticks: &mut [LoneStick], rest: f32) {
+    fn eliminate(&self, sticks: &mut [LoneStick], stick: ElasticStick) {
+        let (ElasticStick { rest, compliance }, regulariser) = (stick, regulariser(stick));
         let (mut a, mut wa) = (self.position(0), self.inverse_mass(0));
         let mut above = Vec3::ZERO;
         let (mut inverse_above, mut right_above) = (0.0, 0.0);
-        for i in 0..sticks.len() {
+        for i in 0..sticks.len() - 1 {
             let (b, wb) = (self.position(i + 1), self.inverse_mass(i + 1));
             let delta = b - a;
             let length = delta.length_squared().sqrt();
@@ -60,43 +83,85 @@ impl LoneChain<'_> {
             let error = if length > 0.0 && weight > LEAST_WEIGHT { length - rest } else { 0.0 };
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
-            let pivot = (weight * (1.0 + CHAIN_REGULARISER)).max(LEAST_WEIGHT) - lower * upper_above;
+            let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(LEAST_WEIGHT);
+            let pivot = own - lower * upper_above;
             let inverse = 1.0 / pivot;
             let right = (error + lower * right_above) * inverse;
             if i > 0 {
                 sticks[i - 1].upper = upper_above;
             }
-            sticks[i] = LoneStick { scale, upper: 0.0, right };
+            sticks[i] = LoneStick { scale, right, ..LoneStick::default() };
             (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
         }
     }
 
     #[inline(always)]
-    fn substitute(&self, sticks: &mut [LoneStick]) -> f32 {
-        let (mut multiplier, mut greatest) = (0.0, 0.0_f32);
+    fn substitute(&self, sticks: &mut [LoneStick]) -> [f32; 2] {
+        let (mut multiplier, mut greatest, mut tautness) = (0.0, 0.0_f32, 0.0_f32);
         let (mut pull, mut step_below) = (Vec3::ZERO, None);
-        let mut b = self.position(sticks.len());
-        for (i, stick) in sticks.iter_mut().enumerate().rev() {
+        let last = sticks.len() - 1;
+        let mut b = self.position(last);
+        for (i, stick) in sticks[..last].iter_mut().enumerate().rev() {
             let a = self.position(i);
             multiplier = stick.right + stick.upper * multiplier;
             stick.right = multiplier * stick.scale;
             let pull_up = (b - a) * stick.right;
-            let step = (pull - pull_up) * self.inverse_mass(i + 1);
+            let w = self.inverse_mass(i + 1);
+            tautness = tautness.max(stick.right * w);
+            let step = (pull - pull_up) * w;
             greatest =
                 step_below.map_or(greatest, |below: Vec3| greatest.max((below - step).length_squared()));
             (b, pull, step_below) = (a, pull_up, Some(step));
         }
         let step = pull * self.inverse_mass(0);
-        step_below.map_or(greatest, |below| greatest.max((below - step).length_squared()))
+        [step_below.map_or(greatest, |below| greatest.max((below - step).length_squared())), tautness]
+    }
+
+    #[inline(always)]
+    fn turn(&self, sticks: &mut [LoneStick]) -> f32 {
+        let last = sticks.len() - 1;
+        let mut a = self.position(0);
+        let (mut pull_up, mut direction_up, mut stiffness_up) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let (mut across_up, mut upper_up) = (Vec3::ZERO, 0.0);
+        for (i, stick) in sticks.iter_mut().enumerate() {
+            let w = self.inverse_mass(i);
+            let (mut b, mut pull, mut direction, mut stiffness) = (a, Vec3::ZERO, Vec3::ZERO, 0.0);
+            if i < last {
+                b = self.position(i + 1);
+                let delta = b - a;
+                (pull, direction, stiffness) =
+                    (delta * stick.right, delta * stick.scale, stick.right.max(0.0));
+            }
+            let force = pull - pull_up;
+            let line = direction + direction_up;
+            let along = line * (line.dot(force) / line.dot(line).max(f32::MIN_POSITIVE));
+            let (lower, next) = (w * stiffness_up, w * stiffness);
+            let inverse = 1.0 / (1.0 + lower + next - lower * upper_up);
+            let across = ((force - along) * w + across_up * lower) * inverse;
+            let upper = next * inverse;
+            stick.turn = LoneTurn { step: along * w, across, upper };
+            (a, pull_up, direction_up, stiffness_up) = (b, pull, direction, stiffness);
+            (across_up, upper_up) = (across, upper);
+        }
+        let (mut across, mut step_below, mut greatest) = (Vec3::ZERO, Vec3::ZERO, 0.0_f32);
+        for (i, LoneStick { turn, .. }) in sticks.iter_mut().enumerate().rev() {
+            across = turn.across + across * turn.upper;
+            turn.step += across;
+            if i < last {
+                greatest = greatest.max((step_below - turn.step).length_squared());
+            }
+            step_below = turn.step;
+        }
+        greatest
     }
 
     #[inline(always)]
     fn apply(&mut self, sticks: &[LoneStick], part: f32) {
         let mut a = self.position(0);
         let mut pull_up = Vec3::ZERO;
-        for i in 0..=sticks.len() {
+        for (i, stick) in sticks.iter().enumerate() {
             let (mut b, mut pull) = (a, Vec3::ZERO);
-            if let Some(stick) = sticks.get(i) {
+            if i + 1 < sticks.len() {
                 b = self.position(i + 1);
                 pull = (b - a) * stick.right;
             }
@@ -106,13 +171,14 @@ impl LoneChain<'_> {
     }
 
     #[inline(always)]
-    fn sweep(&mut self, rest: f32, projection: impl Projection) {
+    fn sweep(&mut self, ElasticStick { rest, compliance }: ElasticStick, projection: impl Projection) {
         let count = self.slots.len() - 1;
         for i in (0..count).step_by(2).chain((1..count).step_by(2)) {
             let (p, q) = (self.position(i), self.position(i + 1));
             let (wa, wb) = (self.inverse_mass(i), self.inverse_mass(i + 1));
             let delta = q - p;
-            let scale = projection.error(delta.length_squared(), rest) / (wa + wb).max(LEAST_WEIGHT);
+            let weight = (wa + wb).max(LEAST_WEIGHT) + compliance;
+            let scale = projection.error(delta.length_squared(), rest) / weight;
             self.set_position(i, p + delta * (scale * wa));
             self.set_position(i + 1, q - delta * (scale * wb));
         }

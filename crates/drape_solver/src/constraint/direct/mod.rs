@@ -6,3 +6,4 @@ pub(crate) mod bent_chain;
 pub(crate) mod chain;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
+pub(crate) mod taut_chain;

@@ -1,0 +1,85 @@
+//! Spring constants of the sticks of a grid that resists in its plane as a fabric does.
+//!
+//! ```text
+//!   o---x---o    energy of a square of dx x dy with strains e, f and shear g, two diagonals of length l and constant d:
+//!   | \   / |      1/2 x (e dx)^2 + 1/2 y (f dy)^2 + d ((dx^2 e + dy^2 f)^2 + (dx dy g)^2) / l^2
+//!   y   d   y
+//!   | /   \ |    so d gives the shear, and adds to the tension along both directions
+//!   o---x---o
+//! ```
+//!
+//! Design: `docs/design/membrane.md`.
+
+use crate::constants::REFERENCE_STEP;
+use crate::error::{BuildError, in_range};
+use crate::state::membrane::{ElasticStick, Membrane, MembraneStiffness};
+use crate::state::topology::Topology;
+
+/// Constants of the sticks of a grid in N/m: along rows, along columns, and diagonals. None where the stiffness is not given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SpringConstants {
+    pub along: [Option<f64>; 2],
+    pub diagonal: Option<f64>,
+}
+
+impl SpringConstants {
+    /// Those of sticks in a grid of this spacing (metres, along rows and along columns).
+    ///
+    /// # Errors
+    /// [`BuildError::OutOfRange`] if a stiffness is, or if the diagonals of a shear stiffness would resist tension more than the
+    /// fabric does.
+    pub fn new(stiffness: MembraneStiffness, spacing: [f32; 2]) -> Result<Self, BuildError> {
+        stiffness.validate()?;
+        let [dx, dy] = spacing.map(f64::from);
+        let given = |stiffness: f32| Some(f64::from(stiffness)).filter(|&stiffness| stiffness > 0.0);
+        let [weft, warp, shear] = [stiffness.weft, stiffness.warp, stiffness.shear].map(given);
+        let diagonal = shear.map(|shear| shear * (dx * dx + dy * dy) / (2.0 * dx * dy));
+        // A strip that is pulled becomes narrower, as its diagonals turn: `tension = whole - coupling^2 / whole across`.
+        let coupling = shear.unwrap_or(0.0);
+        let [whole_weft, whole_warp] = match (weft, warp) {
+            (Some(weft), Some(warp)) => {
+                let both = weft * warp;
+                let product = 0.5 * (both + (both * (both + 4.0 * coupling * coupling)).sqrt());
+                [product / warp, product / weft].map(Some)
+            }
+            // A direction that does not yield keeps its width.
+            lone => [lone.0, lone.1],
+        };
+        let of_sticks = |whole: Option<f64>, along: f64, across: f64| {
+            let Some(whole) = whole else { return Ok(None) };
+            let rest = whole - coupling * (along / across) * (along / across);
+            let constant = rest * across / along;
+            if !(constant > 0.0) {
+                let most = whole * (across / along) * (across / along);
+                in_range("membrane_stiffness", coupling as f32, 0.0, most as f32)?;
+            }
+            Ok(Some(constant))
+        };
+        Ok(Self { along: [of_sticks(whole_weft, dx, dy)?, of_sticks(whole_warp, dy, dx)?], diagonal })
+    }
+}
+
+impl Membrane {
+    /// The membrane of a whole grid of `size` columns and rows whose sticks have these constants; none if none has.
+    pub fn new(topology: &Topology, size: [u32; 2], constants: SpringConstants) -> Option<Self> {
+        let size = size.map(|side| side as usize);
+        let stick = |to: usize, constant: Option<f64>| {
+            let rest = topology.rest[0].distance(topology.rest[to]);
+            Some(ElasticStick { rest, compliance: constant?.recip() as f32 })
+        };
+        let SpringConstants { along: [along_rows, along_columns], diagonal } = constants;
+        (constants != SpringConstants::default()).then(|| Self {
+            size,
+            rows: stick(1, along_rows),
+            columns: stick(size[0], along_columns),
+            diagonals: stick(size[0] + 1, diagonal),
+        })
+    }
+}
+
+/// The stiffness from 0 to 1 of a stick of this constant (N/m) between particles of `mass` (kg). As sticks are relaxed one by one they
+/// reach it only roughly.
+pub(crate) fn stiffness_of(constant: f64, mass: f64) -> f32 {
+    let inverse = constant * 2.0 / mass * f64::from(REFERENCE_STEP) * f64::from(REFERENCE_STEP);
+    (inverse / (1.0 + inverse)) as f32
+}

@@ -1,0 +1,197 @@
+//! Stretch and shear in newtons per metre: a cloth gives way as a laboratory measures it.
+
+use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
+use drape_solver::{
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, MembraneStiffness, Quality,
+};
+
+use crate::common::*;
+
+const AREAL_DENSITY: f32 = 0.2;
+
+/// Cloth that resists in its plane by this stiffness alone.
+fn cloth(stiffness: MembraneStiffness) -> ClothMaterial {
+    ClothMaterial {
+        areal_density: AREAL_DENSITY,
+        shear_stiffness: 0.0,
+        bend_stiffness: 0.0,
+        membrane_stiffness: stiffness,
+        ..ClothMaterial::default()
+    }
+}
+
+/// Strong drag, so that nothing swings.
+fn settings(quality: Quality) -> BodySettings {
+    BodySettings { drag: 20.0, ..BodySettings::from(quality) }
+}
+
+/// A specimen of `width` x `height` metres that is held by its first row. A weight is fixed to its last row, which gravity pulls by a
+/// force for each metre of width (N/m).
+struct Specimen {
+    size: [f32; 2],
+    particles: [u32; 2],
+    load: Vec3,
+}
+
+impl Specimen {
+    fn build(&self, material: ClothMaterial, settings: BodySettings) -> Body {
+        let ([width, height], [columns, rows]) = (self.size, self.particles);
+        let cloth = ClothBuilder::new(width, height, columns, rows).material(material);
+        let mut body = cloth.pin_where(|_, row, _| row == 0).build(settings).expect("valid");
+        for column in 0..columns {
+            let share = if column == 0 || column + 1 == columns { 0.5 } else { 1.0 };
+            let mass = self.load.length() * width / G * share / (columns - 1) as f32;
+            body.particles.set_inverse_mass(self.index(column, rows - 1), mass.recip());
+        }
+        body
+    }
+
+    fn index(&self, column: u32, row: u32) -> usize {
+        (row * self.particles[0] + column) as usize
+    }
+
+    /// The mean place of each row, when all is at rest.
+    fn rows(&self, material: ClothMaterial, settings: BodySettings) -> Vec<Vec3> {
+        let mut island = Island::of_body(self.build(material, settings));
+        let gravity = self.load.normalize() * G;
+        run(&mut island, &Environment { dt: FRAME, gravity, ..Environment::default() }, 10.0);
+        let [columns, rows] = self.particles;
+        let place = |column: u32, row: u32| island.bodies[0].particles.position(self.index(column, row));
+        let mean = |row| (0..columns).map(|column| place(column, row)).sum::<Vec3>() / columns as f32;
+        (0..rows).map(mean).collect()
+    }
+
+    /// The mean force for each metre that its own weight adds to the load.
+    fn own_load(&self) -> f32 {
+        let rows = self.particles[1];
+        // The first row is held, and the last one has the mass of the load.
+        let of_row = AREAL_DENSITY * G * self.size[1] / (rows - 1) as f32;
+        0.5 * of_row * (rows - 2) as f32
+    }
+}
+
+/// A strip stretches by load over stiffness and width, whatever its fineness and the number of substeps, by loads of up to 5 kg on 4 g.
+#[test]
+fn a_hanging_strip_stretches_by_its_load() {
+    for particles in [[5, 9], [11, 21], [33, 65]] {
+        for quality in [Quality::Low, Quality::Medium, Quality::High] {
+            for stiffness in [100.0, 1e3, 1e4] {
+                let strip = Specimen { size: [0.1, 0.2], particles, load: Vec3::NEG_Y * (0.05 * stiffness) };
+                let membrane = MembraneStiffness { warp: stiffness, weft: 2.0 * stiffness, shear: 0.0 };
+                let rows = strip.rows(cloth(membrane), settings(quality));
+                let strain = (rows[0].y - rows[rows.len() - 1].y) / 0.2 - 1.0;
+                let expected = 0.05 + strip.own_load() / stiffness;
+                let subject = format!("stretch at {stiffness} N/m, {particles:?}, {quality:?}");
+                law(&subject, strain.into(), expected.into(), 0.02);
+            }
+        }
+    }
+}
+
+/// The diagonals that resist shear resist tension too, and make a strip narrower: its stretch is that of the tension all the same.
+#[test]
+fn a_strip_that_resists_shear_stretches_by_its_load() {
+    for particles in [[9, 41], [17, 81]] {
+        let strip = Specimen { size: [0.08, 0.4], particles, load: Vec3::NEG_Y * 10.0 };
+        let membrane = MembraneStiffness { warp: 200.0, weft: 100.0, shear: 10.0 };
+        let rows = strip.rows(cloth(membrane), settings(Quality::High));
+        // Away from both ends, which hold the width.
+        let [from, to] = [rows.len() / 4, rows.len() * 3 / 4];
+        let strain = (rows[from].y - rows[to].y) / 0.2 - 1.0;
+        law(&format!("stretch, {particles:?}"), strain.into(), 0.05 + strip.own_load() as f64 / 200.0, 0.02);
+    }
+}
+
+/// The shear tester of the KES system: a strip of 20 cm x 5 cm is sheared along its long sides.
+#[test]
+fn a_sheared_strip_turns_by_its_load() {
+    let many = BodySettings { substeps: 64, ..settings(Quality::High) };
+    for (shear, settings) in [(5.0, settings(Quality::High)), (50.0, many)] {
+        for particles in [[9, 3], [17, 5], [33, 9]] {
+            let strip = Specimen { size: [0.2, 0.05], particles, load: Vec3::X * (0.05 * shear) };
+            let membrane = MembraneStiffness { warp: 1e5, weft: 1e5, shear };
+            let rows = strip.rows(cloth(membrane), settings);
+            let way = rows[rows.len() - 1] - rows[0];
+            let expected = 0.05 + strip.own_load() / shear;
+            let subject = format!("shear at {shear} N/m, {particles:?}");
+            law(&subject, (way.x / -way.y).into(), expected.into(), 0.05);
+        }
+    }
+}
+
+/// A sheet that was thrown with a shear and a stretch in it keeps its momentum and gains no energy.
+#[test]
+fn a_free_elastic_sheet_keeps_its_momentum_and_gains_no_energy() {
+    for stiffness in [20.0, 2e3, 2e5] {
+        for quality in [Quality::Low, Quality::Medium, Quality::High] {
+            let sheet = ClothBuilder::new(0.5, 0.4, 26, 21)
+                .material(cloth(MembraneStiffness::balanced(stiffness, 0.1 * stiffness)));
+            let mut body = sheet.build(BodySettings { drag: 0.0, ..settings(quality) }).expect("valid");
+            for i in 0..body.particles.len() {
+                let p = body.particles.position(i);
+                body.particles.set_velocity(i, Vec3::new(0.3 + p.y, p.x * 4.0, (p.x * p.y * 40.0).min(3.0)));
+            }
+            let kinetic = |body: &Body| measure::kinetic_energy(&body.particles);
+            let (momentum, energy) = (measure::momentum(&body.particles), kinetic(&body));
+            let mut island = Island::of_body(body);
+            run_with(&mut island, &weightless(FRAME), 2.0, |island, index| {
+                let body = &island.bodies[0];
+                let lost = (measure::momentum(&body.particles) - momentum).length() / momentum.length();
+                assert!(lost < 1e-4, "{stiffness}: {lost} of the momentum at step {index}");
+                assert!(kinetic(body) < energy * 1.001, "{stiffness} {quality:?}: step {index}");
+            });
+        }
+    }
+}
+
+/// A tolerance ends the iterations of a quiet cloth at once. A membrane is solved in the last of them.
+#[test]
+fn a_tolerance_leaves_a_membrane_as_it_is() {
+    let settings = BodySettings { iterations: 8, tolerance: 0.2, ..settings(Quality::Medium) };
+    let strip = Specimen { size: [0.1, 0.2], particles: [11, 21], load: Vec3::NEG_Y * 5.0 };
+    let rows = strip.rows(cloth(MembraneStiffness::balanced(100.0, 0.0)), settings);
+    let strain = (rows[0].y - rows[rows.len() - 1].y) / 0.2 - 1.0;
+    law("stretch with a tolerance", strain.into(), 0.05 + f64::from(strip.own_load()) / 100.0, 0.02);
+}
+
+/// Steps of elastic cloths have the same bits on all instruction sets, at once and stage by stage.
+#[test]
+fn a_membrane_has_the_same_bits_on_all() {
+    assert_same_on_all(|isa, step| {
+        let mut hashes = Vec::new();
+        for (columns, rows) in [(33, 9), (17, 16), (6, 5), (3, 40), (32, 8), (48, 33)] {
+            for stiffness in [30.0, 3e4] {
+                let cloth = ClothBuilder::new(0.02 * columns as f32, 0.02 * rows as f32, columns, rows)
+                    .placed(Vec3::ZERO, Vec3::X, Vec3::Z)
+                    .material(cloth(MembraneStiffness::balanced(stiffness, 5.0)))
+                    .pin(0)
+                    .pin(columns - 1);
+                let mut island = Island::of_body(cloth.build(BodySettings::default()).expect("valid"));
+                island.isa = isa;
+                (0..20).for_each(|_| step(&mut island, &gravity(FRAME)));
+                hashes.push(hash(&island));
+            }
+        }
+        hashes
+    });
+}
+
+/// A weight of a kilogram on lines of a fine sheet hummed for ever: the shortest waves across a taut line saw too much of its pull.
+#[test]
+fn a_taut_sheet_comes_to_rest() {
+    let strip = Specimen { size: [0.1, 0.2], particles: [33, 65], load: Vec3::NEG_Y * 98.1 };
+    let rigid = ClothMaterial { areal_density: AREAL_DENSITY, ..ClothMaterial::default() };
+    let mut body = strip.build(rigid, BodySettings::from(Quality::High));
+    let mut dice = Dice(7);
+    for i in 0..body.particles.len() {
+        body.particles.set_velocity(i, Vec3::Z * dice.about(0.1));
+    }
+    let mut island = Island::of_body(body);
+    run(&mut island, &gravity(FRAME), 10.0);
+    let energy = measure::kinetic_energy(&island.bodies[0].particles);
+    let mass = 1.0 + 0.2 * 0.1 * AREAL_DENSITY;
+    let speed = (2.0 * energy / f64::from(mass)).sqrt();
+    println!("law: speed of a taut sheet after 10 s: measured {speed:.2e} m/s, expected below 1e-3");
+    assert!(speed < 1e-3, "{speed} m/s");
+}
