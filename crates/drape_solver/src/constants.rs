@@ -80,9 +80,9 @@ pub(crate) const ELASTIC_REGULARISER: f32 = 2e-6;
 /// straight; one that turns by more than this ends longer than it was.
 pub const CHAIN_STEP: f32 = 0.5;
 
-/// Pull over length and mass, times the square of a substep, from which on a line solve also turns its sticks implicitly. At 1 an
-/// explicit turn is unstable.
-pub(crate) const TAUT: f32 = 0.5;
+/// Pull over length and mass, times the square of a substep, from which on a line solve also turns its sticks implicitly. Explicit
+/// turns along rows and columns together are unstable from 0.5 on, without what shear and bend sticks add.
+pub(crate) const TAUT: f32 = 0.25;
 
 /// In a line solve, inverse masses above this count as this, in 1/kg: single precision ends at 3e38.
 pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;

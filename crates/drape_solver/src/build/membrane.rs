@@ -47,13 +47,12 @@ impl SpringConstants {
         };
         let of_sticks = |whole: Option<f64>, along: f64, across: f64| {
             let Some(whole) = whole else { return Ok(None) };
-            let rest = whole - coupling * (along / across) * (along / across);
-            let constant = rest * across / along;
-            if !(constant > 0.0) {
+            let of_diagonals = coupling * (along / across) * (along / across);
+            if of_diagonals >= whole {
                 let most = whole * (across / along) * (across / along);
-                in_range("membrane_stiffness", coupling as f32, 0.0, most as f32)?;
+                in_range("membrane_stiffness", coupling as f32, 0.0, 0.99 * most as f32)?;
             }
-            Ok(Some(constant))
+            Ok(Some((whole - of_diagonals) * across / along))
         };
         Ok(Self { along: [of_sticks(whole_weft, dx, dy)?, of_sticks(whole_warp, dy, dx)?], diagonal })
     }

@@ -56,6 +56,13 @@ pub(crate) struct Membrane {
     pub diagonals: Option<ElasticStick>,
 }
 
+impl Membrane {
+    /// True if it stretches along rows or columns.
+    pub fn is_elastic(&self) -> bool {
+        self.rows.is_some() || self.columns.is_some()
+    }
+}
+
 /// Equal sticks along lines of a grid. At an edge of the cloth those along it are half as wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ElasticStick {

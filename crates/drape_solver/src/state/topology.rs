@@ -324,7 +324,7 @@ impl Topology {
         self.bends != Bends::default()
     }
 
-    /// True if it resists stretching by a [stiffness in N/m](crate::MembraneStiffness) along rows or columns.
+    /// True if it resists stretch or shear by a [stiffness in N/m](crate::MembraneStiffness).
     pub fn has_membrane(&self) -> bool {
         self.membrane.is_some()
     }

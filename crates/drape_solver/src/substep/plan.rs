@@ -6,7 +6,8 @@
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
-use crate::constraint::direct::line::{LineScratch, Lines, Solved};
+use crate::constraint::direct::grid_lines::{Lines, Solved};
+use crate::constraint::direct::line::LineScratch;
 use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
 use crate::substep::order::{BodyStage, Order};
@@ -122,8 +123,9 @@ impl Plan {
         }
         let settings = &settings;
         self.list_lines(topology, settings, stiffness);
-        // Tethers would keep a membrane from stretching.
-        let has_tethers = settings.tethers && !topology.tethers.is_empty() && topology.membrane.is_none();
+        // Tethers would keep it from stretching.
+        let is_elastic = topology.membrane.is_some_and(|membrane| membrane.is_elastic());
+        let has_tethers = settings.tethers && !topology.tethers.is_empty() && !is_elastic;
         self.stages.clear();
         self.first_of_stage.clear();
         for (stage, projection) in order.of_body(projections) {

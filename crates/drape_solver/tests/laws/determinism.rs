@@ -332,7 +332,7 @@ fn every_machine_ends_in_the_golden_bits() {
         0x6bb5ca97df8db30a,
         0x2adf244fad94d77c,
         0x7d2bc690c7fa75fb,
-        0xe858f5bd58b6a61a,
+        0x0220166047baa8bb,
         0x68b527578ca4f386,
     ];
     assert!(

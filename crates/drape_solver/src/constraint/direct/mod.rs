@@ -4,6 +4,7 @@
 
 pub(crate) mod bent_chain;
 pub(crate) mod chain;
+pub(crate) mod grid_lines;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
 pub(crate) mod taut_chain;

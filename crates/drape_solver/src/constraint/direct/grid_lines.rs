@@ -1,0 +1,236 @@
+//! The lines of a grid, their particles, and the way that they come into the lanes of a [line solve](crate::constraint::direct::line).
+//!
+//! ```text
+//!   rows      columns    diagonals: each goes on at the other side,     antidiagonals
+//!   o--o--o   o  o  o    and two ghosts cut it there                    lean to the left
+//!   o--o--o   |  |  |      o.  o.  o.
+//!   o--o--o   o  o  o        `o  `o  `->
+//! ```
+//!
+//! Design: `docs/design/line_solves.md`.
+
+use crate::simd::columns::LANES;
+use crate::state::bends::BentGrid;
+use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::{ElasticStick, Membrane};
+use crate::state::settings::{BodySettings, StructuralSolve};
+use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
+
+/// The lines of a grid in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lines {
+    Rows,
+    Columns,
+    /// From the upper left to the lower right.
+    Diagonals,
+    /// From the upper right to the lower left.
+    Antidiagonals,
+}
+
+impl Lines {
+    /// The lines that the sticks of `batch` form, if they are to be solved directly: springs of a whole grid, and structural sticks that
+    /// lose all of their error at a `stiffness` per iteration, if the settings say so.
+    pub fn of(
+        batch: &StickBatch,
+        stiffness: f32,
+        topology: &Topology,
+        settings: &BodySettings,
+    ) -> Option<Self> {
+        let (offset, is_small) = match (&batch.sticks, &topology.membrane) {
+            (BatchSticks::Grid { batch, .. }, _) => (batch.offset(), false),
+            // Small grids have their sticks in lists.
+            (BatchSticks::Listed(_), Some(membrane)) => {
+                let [a, b] = topology.stick(batch.first);
+                let place = |end: u32| [end as usize % membrane.size[0], end as usize / membrane.size[0]];
+                let ([from, above], [to, below]) = (place(a.min(b)), place(a.max(b)));
+                ((to as isize - from as isize, below - above), true)
+            }
+            _ => return None,
+        };
+        let lines = match offset {
+            (1, 0) => Self::Rows,
+            (0, 1) => Self::Columns,
+            (1, 1) => Self::Diagonals,
+            (-1, 1) => Self::Antidiagonals,
+            _ => return None,
+        };
+        let is_rigid = settings.structural == StructuralSolve::Lines
+            && !is_small
+            && batch.material.kind == StickKind::Structural
+            && stiffness >= 1.0;
+        (is_rigid || lines.elastic_sticks(topology).is_some()).then_some(lines)
+    }
+
+    /// The sticks of these lines; none if none are to be solved directly.
+    pub fn sticks(self, topology: &Topology, stiffness: &[f32], settings: &BodySettings) -> Option<Solved> {
+        self.elastic_sticks(topology).or_else(|| {
+            let batches = topology.batches.iter().zip(stiffness);
+            let mut own = batches
+                .filter(|&(batch, &stiffness)| Self::of(batch, stiffness, topology, settings) == Some(self));
+            own.find_map(|(batch, _)| match batch.sticks {
+                BatchSticks::Grid { rest_length, .. } => {
+                    Some(Solved::Sticks(ElasticStick { rest: rest_length, compliance: 0.0 }))
+                }
+                BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
+            })
+        })
+    }
+
+    /// The sticks of these lines that have a compliance.
+    fn elastic_sticks(self, topology: &Topology) -> Option<Solved> {
+        let membrane = topology.membrane.as_ref()?;
+        let sticks = match self {
+            Self::Rows => membrane.rows,
+            Self::Columns => membrane.columns,
+            Self::Diagonals | Self::Antidiagonals => membrane.diagonals,
+        };
+        sticks.map(Solved::Sticks)
+    }
+
+    /// The bends of these lines; none if they do not resist.
+    pub fn bends(self, topology: &Topology) -> Option<Solved> {
+        let [rows, columns] = topology.bends.lines?.compliance;
+        let compliance = match self {
+            Self::Rows => rows,
+            Self::Columns => columns,
+            Self::Diagonals | Self::Antidiagonals => None,
+        };
+        compliance.map(Solved::Bends)
+    }
+
+    /// The number of lines, and of places in a line.
+    pub(super) fn size(self, RuledGrid { columns, rows, .. }: RuledGrid) -> (usize, usize) {
+        match self {
+            Self::Rows => (rows, columns),
+            Self::Columns => (columns, rows),
+            Self::Diagonals | Self::Antidiagonals => (columns, rows + 2 * (rows - 1).div_ceil(columns)),
+        }
+    }
+
+    pub(super) fn storage(self, grid: RuledGrid) -> LineStorage {
+        match (self, grid.patches) {
+            (Self::Diagonals | Self::Antidiagonals, _) => LineStorage::Gathered,
+            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
+            (Self::Rows, Some(patches)) if patches.down == 1 => LineStorage::Transposed,
+            (Self::Columns, Some(patches)) if patches.down == 1 => LineStorage::InPlace,
+            _ => LineStorage::Gathered,
+        }
+    }
+
+    /// The places of line `line`.
+    ///
+    /// Diagonals go on at the other side of the grid, so that all have a particle in each row. Two ghosts cut the line there, at the
+    /// places of the particles on both sides: sticks without length do not pull.
+    fn places(self, grid: RuledGrid, line: usize) -> Vec<LinePlace> {
+        let RuledGrid { columns, rows, .. } = grid;
+        let particle =
+            |column: usize, row: usize| LinePlace { index: row * columns + column, is_ghost: false };
+        let column_of = |row: usize| match self {
+            Self::Diagonals => (line + row) % columns,
+            _ => columns - 1 - (line + row) % columns,
+        };
+        let mut places = Vec::with_capacity(self.size(grid).1);
+        match self {
+            Self::Rows => places.extend((0..columns).map(|column| particle(column, line))),
+            Self::Columns => places.extend((0..rows).map(|row| particle(line, row))),
+            Self::Diagonals | Self::Antidiagonals => {
+                for row in 0..rows {
+                    let place = particle(column_of(row), row);
+                    if let Some(&before) = places.last()
+                        && (line + row).is_multiple_of(columns)
+                    {
+                        places.extend([before, place].map(LinePlace::ghost));
+                    }
+                    places.push(place);
+                }
+                let last = particle(column_of(rows - 1), rows - 1).ghost();
+                places.resize(self.size(grid).1, last);
+            }
+        }
+        places
+    }
+}
+
+/// A particle of a line, or a ghost of it, which is pinned there and stays behind.
+#[derive(Clone, Copy, Debug)]
+struct LinePlace {
+    index: usize,
+    is_ghost: bool,
+}
+
+impl LinePlace {
+    fn ghost(self) -> Self {
+        Self { is_ghost: true, ..self }
+    }
+}
+
+/// Marks the slot of a ghost.
+pub(super) const GHOST: u32 = 1 << 31;
+
+/// The resistance of lines that are solved directly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Solved {
+    /// Sticks, with their compliance in m/N.
+    Sticks(ElasticStick),
+    /// Bends of this compliance inside the cloth, in m/N.
+    Bends(f32),
+}
+
+/// A grid of particles, by rows and columns: in patches, or in order if it is too small for that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RuledGrid {
+    pub columns: usize,
+    pub rows: usize,
+    pub patches: Option<Grid>,
+}
+
+impl RuledGrid {
+    /// The whole grid of a topology.
+    pub fn of(topology: &Topology) -> Option<Self> {
+        let small = || {
+            let bent = topology.bends.lines.map(|BentGrid { columns, rows, .. }| [columns, rows]);
+            bent.or_else(|| topology.membrane.map(|Membrane { size, .. }| size))
+        };
+        match &topology.layout {
+            &Layout::Grid(grid) => Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) }),
+            Layout::Linear { .. } | Layout::Renumbered(_) => {
+                small().map(|[columns, rows]| Self { columns, rows, patches: None })
+            }
+            Layout::Torn(_) => None,
+        }
+    }
+}
+
+/// The way that lines come into the lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LineStorage {
+    /// Columns: each is in a lane already.
+    InPlace,
+    /// Rows: they run through all lanes.
+    Transposed,
+    /// Lines that run through some of the lanes.
+    Gathered,
+    /// Solved one by one, because there are too few of them.
+    Lone,
+}
+
+/// Least number of lines that are solved side by side.
+const LEAST_BUNDLED_LINES: usize = 4;
+
+/// The slots of the particles of all lines that must be gathered.
+pub(super) fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> {
+    let lanes = match lines.storage(grid) {
+        LineStorage::Gathered => LANES,
+        LineStorage::Lone => 1,
+        LineStorage::InPlace | LineStorage::Transposed => return Vec::new(),
+    };
+    let (number, count) = lines.size(grid);
+    let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
+    let slot = |place: LinePlace| layout.slot(place.index) as u32 | if place.is_ghost { GHOST } else { 0 };
+    let mut slots = Vec::with_capacity(number * count);
+    for bundle in bundles {
+        let all: Vec<_> = bundle.map(|line| lines.places(grid, line)).collect();
+        slots.extend((0..count).flat_map(|i| all.iter().map(move |places| slot(places[i]))));
+    }
+    slots
+}
