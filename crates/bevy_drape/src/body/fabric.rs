@@ -36,7 +36,7 @@ pub struct Fabric {
     /// mean of both. Bend sticks act besides: give them a `bend_stiffness` of 0.
     pub bending_rigidity: BendingRigidity,
     /// Resistance to stretch and shear as a textile laboratory measures it, in N/m; none by default. Where a number of it is not zero, a
-    /// [`Cloth`](crate::build::Cloth) takes it in place of the stiffness from 0 to 1, and no tether holds it. A `ClothMesh` has no use for it.
+    /// [`Cloth`](crate::build::Cloth) takes it in place of the stiffness from 0 to 1. With warp or weft no tether holds it. A `ClothMesh` ignores it.
     pub membrane_stiffness: MembraneStiffness,
     /// Damping along the sticks in 1/s, 0 or more.
     pub damping: f32,

@@ -235,8 +235,11 @@ impl ClothBuilder {
             .grid_family(bend, [0, 2])?
             .bending(self.material.bending_rigidity)?
             .springs(springs)
-            .faces(self.faces())?
-            .straight_tethers(&self.pins)?;
+            .faces(self.faces())?;
+        if springs.along == [None; 2] {
+            // They would keep an elastic cloth from stretching.
+            builder.straight_tethers(&self.pins)?;
+        }
         builder.build()
     }
 

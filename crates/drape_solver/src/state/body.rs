@@ -65,7 +65,7 @@ pub struct BodyContext {
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
-    /// Solves in a substep over its square, in 1/s^2: bends and membranes multiply their compliance by it.
+    /// The number of line solves in a substep over the square of its duration, in 1/s^2: bends and membranes multiply their compliance by it.
     pub(crate) compliance_scale: f32,
     pub(crate) bends: BendScratch,
     pub(crate) damping: Vec<f32>,

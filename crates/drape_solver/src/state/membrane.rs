@@ -32,11 +32,6 @@ impl MembraneStiffness {
         Self { warp: tension, weft: tension, shear }
     }
 
-    /// True if stiffnesses from 0 to 1 tell everything.
-    pub fn is_zero(self) -> bool {
-        self == Self::default()
-    }
-
     pub(crate) fn validate(self) -> Result<(), BuildError> {
         for stiffness in [self.warp, self.weft, self.shear] {
             in_range("membrane_stiffness", stiffness, 0.0, MOST)?;
@@ -54,13 +49,6 @@ pub(crate) struct Membrane {
     pub rows: Option<ElasticStick>,
     pub columns: Option<ElasticStick>,
     pub diagonals: Option<ElasticStick>,
-}
-
-impl Membrane {
-    /// True if it stretches along rows or columns.
-    pub fn is_elastic(&self) -> bool {
-        self.rows.is_some() || self.columns.is_some()
-    }
 }
 
 /// Equal sticks along lines of a grid. At an edge of the cloth those along it are half as wide.

@@ -123,9 +123,6 @@ impl Plan {
         }
         let settings = &settings;
         self.list_lines(topology, settings, stiffness);
-        // Tethers would keep it from stretching.
-        let is_elastic = topology.membrane.is_some_and(|membrane| membrane.is_elastic());
-        let has_tethers = settings.tethers && !topology.tethers.is_empty() && !is_elastic;
         self.stages.clear();
         self.first_of_stage.clear();
         for (stage, projection) in order.of_body(projections) {
@@ -143,7 +140,7 @@ impl Plan {
                 BodyStage::Sticks if has_sticks => {
                     self.push_sticks(topology, settings, stiffness, projection % 2 == 1);
                 }
-                BodyStage::Tethers if has_sticks && has_tethers => {
+                BodyStage::Tethers if has_sticks && settings.tethers && !topology.tethers.is_empty() => {
                     self.stages.push(StripStage::Tethers);
                 }
                 BodyStage::Lines if self.solves_lines(topology, projection, settings.iterations) => {
@@ -200,8 +197,9 @@ impl Plan {
         self.lines.extend(all.into_iter().filter_map(sticks));
     }
 
-    /// True if lines are solved in this iteration: in each, but those of a membrane only in the last, as a spring pulls once.
-    fn solves_lines(&self, topology: &Topology, iteration: u32, iterations: u32) -> bool {
+    /// True if lines are solved in this iteration: in each, but those of a membrane only in the last. A second solve would add the pull
+    /// of its springs once more.
+    pub fn solves_lines(&self, topology: &Topology, iteration: u32, iterations: u32) -> bool {
         let is_last = iteration + 1 == iterations;
         !self.lines.is_empty() && iteration < iterations && (topology.membrane.is_none() || is_last)
     }

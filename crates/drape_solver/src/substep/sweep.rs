@@ -56,7 +56,7 @@ pub(crate) fn move_pins(body: &mut Body) {
 
 /// Solves the lines of iteration `index`.
 pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep, index: u32) {
-    if (index as usize) < plan.plan.places_of_lines.len() {
+    if plan.plan.solves_lines(&body.topology, index, body.settings.iterations) {
         line::solve(body, &plan.plan.lines, &mut plan.lines, substep);
     }
 }

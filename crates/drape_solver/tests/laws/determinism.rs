@@ -332,7 +332,7 @@ fn every_machine_ends_in_the_golden_bits() {
         0x6bb5ca97df8db30a,
         0x2adf244fad94d77c,
         0x7d2bc690c7fa75fb,
-        0x0220166047baa8bb,
+        0x745d506050b90f7a,
         0x68b527578ca4f386,
     ];
     assert!(

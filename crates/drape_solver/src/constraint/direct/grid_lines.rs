@@ -56,6 +56,7 @@ impl Lines {
         };
         let is_rigid = settings.structural == StructuralSolve::Lines
             && !is_small
+            && matches!(lines, Self::Rows | Self::Columns)
             && batch.material.kind == StickKind::Structural
             && stiffness >= 1.0;
         (is_rigid || lines.elastic_sticks(topology).is_some()).then_some(lines)

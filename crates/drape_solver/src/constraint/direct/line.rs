@@ -154,7 +154,7 @@ struct LineSolve<'a> {
     grid: RuledGrid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
-    /// Line solves in a substep over its square, in 1/s^2.
+    /// The number of line solves in a substep over the square of its duration, in 1/s^2.
     compliance_scale: f32,
     /// Factor on rest lengths.
     length_ratio: f32,

@@ -107,7 +107,7 @@ impl LoneChain<'_> {
             stick.right = multiplier * stick.scale;
             let pull_up = (b - a) * stick.right;
             let w = self.inverse_mass(i + 1);
-            tautness = tautness.max(stick.right * w);
+            tautness = tautness.max(stick.right * w.max(self.inverse_mass(i)));
             let step = (pull - pull_up) * w;
             greatest =
                 step_below.map_or(greatest, |below: Vec3| greatest.max((below - step).length_squared()));
@@ -136,7 +136,7 @@ impl LoneChain<'_> {
             let line = direction + direction_up;
             let along = line * (line.dot(force) / line.dot(line).max(f32::MIN_POSITIVE));
             let (lower, next) = (w * stiffness_up, w * stiffness);
-            let inverse = 1.0 / (1.0 + lower + next - lower * upper_up);
+            let inverse = 1.0 / (1.0 + next + lower * (1.0 - upper_up));
             let across = ((force - along) * w + across_up * lower) * inverse;
             let upper = next * inverse;
             stick.turn = LoneTurn { step: along * w, across, upper };

@@ -7,13 +7,13 @@
 //! ```
 //!
 //! The multipliers of a chain take its sticks as straight. Each multiplier then moves the particles across the line by the turn that
-//! the stick has now, which is an explicit step of that spring: where `w pull h^2 / length` is above 1 the shortest waves grow until the
-//! chain hums, or stretches. So the moves across the line are solved implicitly, `(1 / w + L) y = pull across`, where `L` has the pulls
+//! the stick has now, which is an explicit step of that spring: where `w pull h^2 / length` is above 1, or 0.5 if rows and columns pull alike, the
+//! shortest waves grow until the chain hums, or stretches. So the moves across the line are solved implicitly, `(1 / w + L) y = pull across`, where `L` has the pulls
 //! over lengths (Tournier, Nesme, Gilles and Faure 2015, "Stable Constrained Dynamics", equation 12). The matrix has three diagonals.
 //!
 //! Design: `docs/design/line_solves.md`.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::simd::columns::{Cell, LANES};
@@ -62,7 +62,7 @@ impl Chains<'_> {
             along.times(w).store(&mut turn.step);
             let lower = w * stiffness_up;
             let next = w * stiffness;
-            let inverse = one / (one + lower + next - lower * upper_up);
+            let inverse = one / (one + next + lower * (one - upper_up));
             let across = force.minus(along).times(w).plus(across_up.times(lower)).times(inverse);
             let upper = next * inverse;
             across.store(&mut turn.across);
@@ -84,12 +84,19 @@ impl Chains<'_> {
         greatest
     }
 
-    /// Moves each particle by `part` of what [`turn`](Self::turn) has found.
+    /// Moves each particle of the lanes in `is_taut` by `part` of what [`turn`](Self::turn) has found.
     #[inline(always)]
-    pub(super) fn apply_turns<S: Simd>(&mut self, simd: S, scratch: &ChainScratch, part: f32x16<S>) {
+    pub(super) fn apply_turns<S: Simd>(
+        &mut self,
+        simd: S,
+        scratch: &ChainScratch,
+        part: f32x16<S>,
+        is_taut: mask32x16<S>,
+    ) {
         for (i, turn) in scratch.turns[..self.count].iter().enumerate() {
-            let step = Lanes3::load(simd, &turn.step).times(part);
-            self.position(simd, i).plus(step).store(&mut self.position[self.first + i * self.stride]);
+            let before = self.position(simd, i);
+            let after = before.plus(Lanes3::load(simd, &turn.step).times(part));
+            after.or(is_taut, before).store(&mut self.position[self.first + i * self.stride]);
         }
     }
 }
