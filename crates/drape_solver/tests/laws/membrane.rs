@@ -223,22 +223,3 @@ fn structural_diagonals_are_swept() {
     run(&mut island, &gravity(FRAME), 0.1);
     assert!(stretch(&island).rms < 1e-3);
 }
-
-/// A weight of a kilogram on lines of a fine sheet hummed for ever: the shortest waves across a taut line saw too much of its pull.
-#[test]
-fn a_taut_sheet_comes_to_rest() {
-    let strip = Specimen { size: [0.1, 0.2], particles: [33, 65], load: Vec3::NEG_Y * 98.1 };
-    let rigid = ClothMaterial { areal_density: AREAL_DENSITY, ..ClothMaterial::default() };
-    let mut body = strip.build(rigid, BodySettings::from(Quality::High));
-    let mut dice = Dice(7);
-    for i in 0..body.particles.len() {
-        body.particles.set_velocity(i, Vec3::Z * dice.about(0.1));
-    }
-    let mut island = Island::of_body(body);
-    run(&mut island, &gravity(FRAME), 10.0);
-    let energy = measure::kinetic_energy(&island.bodies[0].particles);
-    let mass = 1.0 + 0.2 * 0.1 * AREAL_DENSITY;
-    let speed = (2.0 * energy / f64::from(mass)).sqrt();
-    println!("law: speed of a taut sheet after 10 s: measured {speed:.2e} m/s, expected below 1e-3");
-    assert!(speed < 1e-3, "{speed} m/s");
-}

@@ -40,6 +40,8 @@ pub(crate) struct Chains<'a> {
     pub stride: usize,
     /// The number of particles in a chain.
     pub count: usize,
+    /// True if taut chains [turn implicitly](crate::constraint::direct::taut_chain).
+    pub turn: bool,
 }
 
 /// Scratch of the stick below each particle.
@@ -110,7 +112,8 @@ impl Chains<'_> {
         let compliance = compliances(simd, stick.compliance, edges);
         self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
         let [mut turn, tautness] = self.substitute(simd, scratch);
-        let is_taut = tautness.simd_gt(f32x16::splat(simd, TAUT));
+        let limit = if self.turn { TAUT } else { f32::INFINITY };
+        let is_taut = tautness.simd_gt(f32x16::splat(simd, limit));
         if is_taut.any_true() {
             turn = is_taut.select(self.turn(simd, scratch), turn);
         }
@@ -376,8 +379,14 @@ mod tests {
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
                 let (first, stride) = (1, 2);
-                let chains =
-                    Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+                let chains = Chains {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    first,
+                    stride,
+                    count,
+                    turn: true,
+                };
                 isa.run(Solve(chains, stick));
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
@@ -405,15 +414,18 @@ mod tests {
                 for lane in 0..LANES {
                     let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
                     let compliance = stick.compliance / width_share(lane) as f32;
-                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
-                        &mut sticks,
-                        ElasticStick { compliance, ..stick },
-                        Exact,
-                    );
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots, turn: true }
+                        .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
                 }
                 let (first, stride) = (1, 2);
-                let chains =
-                    Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+                let chains = Chains {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    first,
+                    stride,
+                    count,
+                    turn: true,
+                };
                 Isa::detected().run(Solve(chains, stick));
                 let bits = |cells: &[Cell]| -> Vec<u32> {
                     cells
@@ -434,7 +446,8 @@ mod tests {
         let (mut position, inverse_mass) = chains(count, 1.0);
         let before = position.clone();
         let (first, stride) = (1, 2);
-        let chains = Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+        let chains =
+            Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count, turn: true };
         Isa::detected().run(Solve(chains, RIGID));
         for lane in 0..LANES {
             for i in 0..count - 1 {

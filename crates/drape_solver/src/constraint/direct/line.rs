@@ -123,7 +123,8 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let compliance_scale = context.compliance_scale;
-    let solve = LineSolve { grid, position, inverse_mass, compliance_scale, length_ratio, scratch };
+    let turn = settings.iterations == 1 || topology.membrane.is_some();
+    let solve = LineSolve { grid, position, inverse_mass, compliance_scale, length_ratio, turn, scratch };
     match settings.projection {
         StickProjection::Exact => substep.isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => {
@@ -158,6 +159,9 @@ struct LineSolve<'a> {
     compliance_scale: f32,
     /// Factor on rest lengths.
     length_ratio: f32,
+    /// True if taut lines turn implicitly: where they are solved once in a substep. A second solve calms them as well, and small sheets
+    /// would gain energy by both.
+    turn: bool,
     scratch: &'a mut LineScratch,
 }
 
@@ -188,13 +192,13 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn lone(&mut self, lines: Lines, stick: ElasticStick, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
         let (number, count) = lines.size(*grid);
         for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
             let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
             let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
-            LoneChain { position, inverse_mass, slots }.solve(lone, stick, projection);
+            LoneChain { position, inverse_mass, slots, turn: *turn }.solve(lone, stick, projection);
         }
     }
 
@@ -206,10 +210,17 @@ impl LineSolve<'_> {
         solved: Solved,
         projection: impl Projection,
     ) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
         let LineScratch { chain, bends, .. } = &mut **scratch;
         for first in 0..patches.width {
-            let chains = Chains { position, inverse_mass, first, stride: patches.width, count: grid.rows };
+            let chains = Chains {
+                position,
+                inverse_mass,
+                first,
+                stride: patches.width,
+                count: grid.rows,
+                turn: *turn,
+            };
             let is_edge = |lane| is_at_edge(lane * patches.width + first, grid.columns);
             solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
         }
@@ -226,7 +237,14 @@ impl LineSolve<'_> {
         for first in (0..self.grid.rows).step_by(LANES) {
             self.transpose_rows(simd, patches, first);
             let LineScratch { chain, bends, position, inverse_mass, .. } = &mut *self.scratch;
-            let chains = Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns };
+            let chains = Chains {
+                position,
+                inverse_mass,
+                first: 0,
+                stride: 1,
+                count: self.grid.columns,
+                turn: self.turn,
+            };
             let is_edge = |lane| is_at_edge(first + lane, self.grid.rows);
             solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
             self.transpose_back(simd, patches, first);
@@ -237,7 +255,7 @@ impl LineSolve<'_> {
     ///
     /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
     fn transpose_rows<S: Simd>(&mut self, simd: S, patches: Grid, first: usize) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
         let LineScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
         let (width, last) = (patches.width, grid.rows - 1);
         simd.vectorize(
@@ -302,7 +320,7 @@ impl LineSolve<'_> {
         solved: Solved,
         projection: impl Projection,
     ) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
         let (number, count) = lines.size(*grid);
         let LineScratch { chain, bends, position: gathered, inverse_mass: gathered_mass, slots, .. } =
             &mut **scratch;
@@ -321,8 +339,14 @@ impl LineSolve<'_> {
                         if slot & GHOST == 0 { inverse_mass[from][in_lane] } else { 0.0 };
                 }
             }
-            let chains =
-                Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count };
+            let chains = Chains {
+                position: gathered,
+                inverse_mass: gathered_mass,
+                first: 0,
+                stride: 1,
+                count,
+                turn: *turn,
+            };
             // A diagonal belongs to one square alone.
             let is_side = matches!(lines, Lines::Rows | Lines::Columns);
             let is_edge = |lane| is_side && is_at_edge(first + lane, number);

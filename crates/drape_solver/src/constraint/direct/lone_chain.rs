@@ -36,6 +36,8 @@ pub(crate) struct LoneChain<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     pub slots: &'a [u32],
+    /// True if it turns implicitly when it is taut.
+    pub turn: bool,
 }
 
 impl LoneChain<'_> {
@@ -48,7 +50,7 @@ impl LoneChain<'_> {
         let sticks = &mut sticks[..=count];
         self.eliminate(sticks, stick);
         let [mut turn, tautness] = self.substitute(sticks);
-        let is_taut = tautness > TAUT;
+        let is_taut = self.turn && tautness > TAUT;
         if is_taut {
             turn = self.turn(sticks);
         }
