@@ -11,6 +11,7 @@ use drape_solver::{
 
 use crate::common::*;
 use crate::lines::hash_of_sheet;
+use crate::membrane::hash_of_elastic_sheet;
 use crate::mesh::hash_of_mesh;
 
 /// A bit of everything: curtain, rope, balls, wind, moving and parry obstacles.
@@ -326,14 +327,16 @@ fn every_machine_ends_in_the_golden_bits() {
         sheet_after((64, true, true), 60, whole),
         hash_of_sheet(100, 90, Isa::detected()),
         hash_of_mesh(Isa::detected(), BodySettings { substeps: 4, ..BodySettings::default() }),
+        hash_of_elastic_sheet(Isa::detected()),
     ];
     let golden = [
         0x951b06ba77f484b2,
         0x6bb5ca97df8db30a,
         0x2adf244fad94d77c,
         0x7d2bc690c7fa75fb,
-        0x745d506050b90f7a,
+        0xe858f5bd58b6a61a,
         0x68b527578ca4f386,
+        0x394855ad7cfd621e,
     ];
     assert!(
         ends == golden,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    BendingRigidity, Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, MembraneStiffness,
-    Particles, Quality, Shape, StickKind, StickMaterial, TopologyBuilder,
+    BendingRigidity, Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Isa, Island,
+    MembraneStiffness, Particles, Quality, Shape, StickKind, StickMaterial, TopologyBuilder,
 };
 
 use crate::common::*;
@@ -188,6 +188,18 @@ fn a_membrane_has_the_same_bits_on_all() {
         }
         hashes
     });
+}
+
+/// The end of a level elastic sheet that is held by its first column and a corner: its lines are taut.
+pub fn hash_of_elastic_sheet(isa: Isa) -> u64 {
+    let sheet = ClothBuilder::new(0.5, 0.4, 48, 33)
+        .placed(Vec3::ZERO, Vec3::X, Vec3::Z)
+        .material(cloth(MembraneStiffness::balanced(3e4, 5.0)))
+        .pin_where(|column, row, _| column == 0 || (column, row) == (47, 32));
+    let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
+    island.isa = isa;
+    run(&mut island, &gravity(FRAME), 1.0);
+    hash(&island)
 }
 
 /// A cut gave an elastic cloth tethers, which pulled it back to its length at rest.

@@ -255,7 +255,7 @@ impl LineSolve<'_> {
     ///
     /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
     fn transpose_rows<S: Simd>(&mut self, simd: S, patches: Grid, first: usize) {
-        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
         let LineScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
         let (width, last) = (patches.width, grid.rows - 1);
         simd.vectorize(
