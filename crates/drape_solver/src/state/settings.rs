@@ -76,7 +76,7 @@ pub enum Quality {
     /// The values of [`BodySettings::default`].
     #[default]
     Medium,
-    /// For bodies that must not stretch: half as long again, and a twenty-fifth of the stretch.
+    /// For bodies that must not stretch: half as long again, and a thirtieth of the stretch.
     High,
 }
 

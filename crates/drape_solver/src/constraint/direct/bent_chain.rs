@@ -194,7 +194,7 @@ mod tests {
                     first: 0,
                     stride: 2,
                     count,
-                    turn: false,
+                    turns_when_taut: false,
                 }));
                 (0..LANES).for_each(|lane| {
                     let start: Vec<Vec3> = (0..count).map(|i| before[2 * i].get(lane)).collect();

@@ -41,7 +41,7 @@ pub(crate) struct Chains<'a> {
     /// The number of particles in a chain.
     pub count: usize,
     /// True if taut chains [turn implicitly](crate::constraint::direct::taut_chain).
-    pub turn: bool,
+    pub turns_when_taut: bool,
 }
 
 /// Scratch of the stick below each particle.
@@ -112,10 +112,10 @@ impl Chains<'_> {
         let compliance = compliances(simd, stick.compliance, edges);
         self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
         let [mut turn, tautness] = self.substitute(simd, scratch);
-        let limit = if self.turn { TAUT } else { f32::INFINITY };
+        let limit = if self.turns_when_taut { TAUT } else { f32::INFINITY };
         let is_taut = tautness.simd_gt(f32x16::splat(simd, limit));
         if is_taut.any_true() {
-            turn = is_taut.select(self.turn(simd, scratch), turn);
+            turn = is_taut.select(self.turn_implicitly(simd, scratch), turn);
         }
         let limit = CHAIN_STEP * rest;
         let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
@@ -208,9 +208,9 @@ impl Chains<'_> {
         [greatest.max(turn.dot(turn)), tautness]
     }
 
-    /// Moves each particle by `part` of its step, but for the lanes in `is_taut` if there are `SOME`.
+    /// Moves each particle by `part` of its step, but for the lanes in `is_taut`, if it `HAS_TAUT` ones.
     #[inline(always)]
-    fn apply<S: Simd, const SOME: bool>(
+    fn apply<S: Simd, const HAS_TAUT: bool>(
         &mut self,
         simd: S,
         scratch: &ChainScratch,
@@ -230,7 +230,7 @@ impl Chains<'_> {
             let step = pull.minus(pull_up).times(self.inverse_mass(simd, i) * part);
             let moved = a.plus(step);
             // Adding nothing would change the sign of a zero.
-            let moved = if SOME { a.or(is_taut, moved) } else { moved };
+            let moved = if HAS_TAUT { a.or(is_taut, moved) } else { moved };
             moved.store(&mut self.position[self.first + i * self.stride]);
             (a, pull_up) = (b, pull);
         }
@@ -385,7 +385,7 @@ mod tests {
                     first,
                     stride,
                     count,
-                    turn: true,
+                    turns_when_taut: true,
                 };
                 isa.run(Solve(chains, stick));
                 (0..LANES).for_each(|lane| {
@@ -414,8 +414,13 @@ mod tests {
                 for lane in 0..LANES {
                     let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
                     let compliance = stick.compliance / width_share(lane) as f32;
-                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots, turn: true }
-                        .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
+                    LoneChain {
+                        position: &mut lone,
+                        inverse_mass: &inverse_mass,
+                        slots: &slots,
+                        turns_when_taut: true,
+                    }
+                    .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
                 }
                 let (first, stride) = (1, 2);
                 let chains = Chains {
@@ -424,7 +429,7 @@ mod tests {
                     first,
                     stride,
                     count,
-                    turn: true,
+                    turns_when_taut: true,
                 };
                 Isa::detected().run(Solve(chains, stick));
                 let bits = |cells: &[Cell]| -> Vec<u32> {
@@ -446,8 +451,14 @@ mod tests {
         let (mut position, inverse_mass) = chains(count, 1.0);
         let before = position.clone();
         let (first, stride) = (1, 2);
-        let chains =
-            Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count, turn: true };
+        let chains = Chains {
+            position: &mut position,
+            inverse_mass: &inverse_mass,
+            first,
+            stride,
+            count,
+            turns_when_taut: true,
+        };
         Isa::detected().run(Solve(chains, RIGID));
         for lane in 0..LANES {
             for i in 0..count - 1 {

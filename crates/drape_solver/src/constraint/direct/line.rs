@@ -123,8 +123,9 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let compliance_scale = context.compliance_scale;
-    let turn = settings.iterations == 1 || topology.membrane.is_some();
-    let solve = LineSolve { grid, position, inverse_mass, compliance_scale, length_ratio, turn, scratch };
+    let turns_when_taut = settings.iterations == 1 || topology.membrane.is_some();
+    let solve =
+        LineSolve { grid, position, inverse_mass, compliance_scale, length_ratio, turns_when_taut, scratch };
     match settings.projection {
         StickProjection::Exact => substep.isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => {
@@ -161,7 +162,7 @@ struct LineSolve<'a> {
     length_ratio: f32,
     /// True if taut lines turn implicitly: where they are solved once in a substep. A second solve calms them as well, and small sheets
     /// would gain energy by both.
-    turn: bool,
+    turns_when_taut: bool,
     scratch: &'a mut LineScratch,
 }
 
@@ -192,13 +193,14 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn lone(&mut self, lines: Lines, stick: ElasticStick, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turns_when_taut, scratch, .. } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
         let (number, count) = lines.size(*grid);
         for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
             let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
             let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
-            LoneChain { position, inverse_mass, slots, turn: *turn }.solve(lone, stick, projection);
+            LoneChain { position, inverse_mass, slots, turns_when_taut: *turns_when_taut }
+                .solve(lone, stick, projection);
         }
     }
 
@@ -210,7 +212,7 @@ impl LineSolve<'_> {
         solved: Solved,
         projection: impl Projection,
     ) {
-        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turns_when_taut, scratch, .. } = self;
         let LineScratch { chain, bends, .. } = &mut **scratch;
         for first in 0..patches.width {
             let chains = Chains {
@@ -219,7 +221,7 @@ impl LineSolve<'_> {
                 first,
                 stride: patches.width,
                 count: grid.rows,
-                turn: *turn,
+                turns_when_taut: *turns_when_taut,
             };
             let is_edge = |lane| is_at_edge(lane * patches.width + first, grid.columns);
             solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
@@ -243,7 +245,7 @@ impl LineSolve<'_> {
                 first: 0,
                 stride: 1,
                 count: self.grid.columns,
-                turn: self.turn,
+                turns_when_taut: self.turns_when_taut,
             };
             let is_edge = |lane| is_at_edge(first + lane, self.grid.rows);
             solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
@@ -320,7 +322,7 @@ impl LineSolve<'_> {
         solved: Solved,
         projection: impl Projection,
     ) {
-        let Self { grid, position, inverse_mass, turn, scratch, .. } = self;
+        let Self { grid, position, inverse_mass, turns_when_taut, scratch, .. } = self;
         let (number, count) = lines.size(*grid);
         let LineScratch { chain, bends, position: gathered, inverse_mass: gathered_mass, slots, .. } =
             &mut **scratch;
@@ -345,7 +347,7 @@ impl LineSolve<'_> {
                 first: 0,
                 stride: 1,
                 count,
-                turn: *turn,
+                turns_when_taut: *turns_when_taut,
             };
             // A diagonal belongs to one square alone.
             let is_side = matches!(lines, Lines::Rows | Lines::Columns);

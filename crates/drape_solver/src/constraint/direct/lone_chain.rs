@@ -37,7 +37,7 @@ pub(crate) struct LoneChain<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
     pub slots: &'a [u32],
     /// True if it turns implicitly when it is taut.
-    pub turn: bool,
+    pub turns_when_taut: bool,
 }
 
 impl LoneChain<'_> {
@@ -50,9 +50,9 @@ impl LoneChain<'_> {
         let sticks = &mut sticks[..=count];
         self.eliminate(sticks, stick);
         let [mut turn, tautness] = self.substitute(sticks);
-        let is_taut = self.turn && tautness > TAUT;
+        let is_taut = self.turns_when_taut && tautness > TAUT;
         if is_taut {
-            turn = self.turn(sticks);
+            turn = self.turn_implicitly(sticks);
         }
         let limit = CHAIN_STEP * stick.rest;
         let is_too_long = turn > limit * limit;
@@ -120,7 +120,7 @@ impl LoneChain<'_> {
     }
 
     #[inline(always)]
-    fn turn(&self, sticks: &mut [LoneStick]) -> f32 {
+    fn turn_implicitly(&self, sticks: &mut [LoneStick]) -> f32 {
         let last = sticks.len() - 1;
         let mut a = self.position(0);
         let (mut pull_up, mut direction_up, mut stiffness_up) = (Vec3::ZERO, Vec3::ZERO, 0.0);

@@ -35,7 +35,7 @@ impl Chains<'_> {
     /// Finds the moves of the particles, from the multipliers of their sticks. Returns the square of the greatest move of a stick's two
     /// ends against each other.
     #[inline(always)]
-    pub(super) fn turn<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
+    pub(super) fn turn_implicitly<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
         let ChainScratch { sticks, turns } = scratch;
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let none = Lanes3 { x: zero, y: zero, z: zero };
@@ -84,7 +84,7 @@ impl Chains<'_> {
         greatest
     }
 
-    /// Moves each particle of the lanes in `is_taut` by `part` of what [`turn`](Self::turn) has found.
+    /// Moves each particle of the lanes in `is_taut` by `part` of what [`turn_implicitly`](Self::turn_implicitly) has found.
     #[inline(always)]
     pub(super) fn apply_turns<S: Simd>(
         &mut self,
