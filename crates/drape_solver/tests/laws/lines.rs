@@ -3,7 +3,7 @@
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality,
+    Ball, BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality,
     RopeBuilder, Shape, StructuralSolve, step,
 };
 
@@ -92,6 +92,29 @@ fn fine_taut_sheets_come_to_rest() {
             let stretch = stretch(&island).rms;
             assert!(stretch < 1e-3, "{n} x {n}, held {name}: stretched by {stretch}");
         }
+    }
+}
+
+/// A trampoline with balls on it stayed in motion for ever.
+#[test]
+fn a_trampoline_under_balls_comes_to_rest() {
+    let n = 33;
+    let is_side = move |i: u32| i == 0 || i + 1 == n;
+    let sheet = ClothBuilder::new(2.0, 2.0, n, n)
+        .placed(Vec3::new(-1.0, 0.0, -1.0), Vec3::X, Vec3::Z)
+        .pin_where(move |column, row, _| is_side(column) || is_side(row));
+    let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
+    let material = BallMaterial { radius: 0.08, mass: 0.2, ..BallMaterial::default() };
+    for i in 0..9 {
+        let place = Vec3::new((i % 3) as f32 * 0.4 - 0.4, 0.1, (i / 3) as f32 * 0.4 - 0.4);
+        island.balls.push(ball(material, place, Vec3::ZERO));
+    }
+    run(&mut island, &gravity(FRAME), 8.0);
+    let still_for = island.bodies[0].still_for();
+    assert!(still_for > 1.0, "still for {still_for} s");
+    // The sheet is nearly level, and balls may roll off.
+    for place in island.balls.iter().map(Ball::position) {
+        assert!(place.y > 0.0 || place.x.abs().max(place.z.abs()) > 1.0, "a ball is below it: {place}");
     }
 }
 
