@@ -95,15 +95,13 @@ fn a_hanging_strip_stretches_by_its_load() {
 /// The diagonals that resist shear resist tension too, and make a strip narrower: its stretch is that of the tension all the same.
 #[test]
 fn a_strip_that_resists_shear_stretches_by_its_load() {
-    for particles in [[9, 41], [17, 81]] {
-        let strip = Specimen { size: [0.08, 0.4], particles, load: Vec3::NEG_Y * 10.0 };
-        let membrane = MembraneStiffness { warp: 200.0, weft: 100.0, shear: 10.0 };
-        let rows = strip.rows(cloth(membrane), settings(Quality::High));
-        // Away from both ends, which hold the width.
-        let [from, to] = [rows.len() / 4, rows.len() * 3 / 4];
-        let strain = (rows[from].y - rows[to].y) / 0.2 - 1.0;
-        law(&format!("stretch, {particles:?}"), strain.into(), 0.05 + strip.own_load() as f64 / 200.0, 0.02);
-    }
+    let strip = Specimen { size: [0.08, 0.4], particles: [9, 41], load: Vec3::NEG_Y * 5.0 };
+    let membrane = MembraneStiffness { warp: 100.0, weft: 80.0, shear: 30.0 };
+    let rows = strip.rows(cloth(membrane), BodySettings { substeps: 32, ..settings(Quality::High) });
+    // Away from both ends, which hold the width.
+    let [from, to] = [rows.len() / 4, rows.len() * 3 / 4];
+    let strain = (rows[from].y - rows[to].y) / 0.2 - 1.0;
+    law("stretch with a shear stiffness", strain.into(), 0.05 + f64::from(strip.own_load()) / 100.0, 0.03);
 }
 
 /// The shear tester of the KES system: a strip of 20 cm x 5 cm is sheared along its long sides.
