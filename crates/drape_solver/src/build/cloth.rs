@@ -216,8 +216,7 @@ impl ClothBuilder {
             ..StickMaterial::rigid(kind)
         };
         let springs = SpringConstants::new(self.material.membrane_stiffness, self.spacing())?;
-        let [dx, dy] = self.spacing();
-        let mass = f64::from(self.material.areal_density * dx * dy);
+        let mass = f64::from(self.square_mass());
         let or_spring =
             |number: f32, spring: Option<f64>| spring.map_or(number, |spring| stiffness_of(spring, mass));
         let [along_rows, along_columns] = springs.along.map(|spring| {
@@ -278,9 +277,13 @@ impl ClothBuilder {
 
     fn particle_mass(&self, column: u32, row: u32) -> f32 {
         let share = |i: u32, count: u32| if i == 0 || i + 1 == count { 0.5 } else { 1.0 };
+        self.square_mass() * share(column, self.columns) * share(row, self.rows)
+    }
+
+    /// The mass of the cloth between four particles, and so of a particle inside.
+    fn square_mass(&self) -> f32 {
         let [dx, dy] = self.spacing();
-        let cell = self.material.areal_density * dx * dy;
-        cell * share(column, self.columns) * share(row, self.rows)
+        self.material.areal_density * dx * dy
     }
 }
 

@@ -42,8 +42,8 @@ pub(crate) fn begin_step(
     if !topology.bends.listed.is_empty() {
         context.bends.reserve(particles.layout.cells() * LANES);
     }
-    let solves = if topology.membrane.is_some() { 1 } else { settings.iterations };
-    context.compliance_scale = solves as f32 / (effective_substep * effective_substep);
+    let line_solves = topology.line_solves(settings.iterations);
+    context.compliance_scale = line_solves as f32 / (effective_substep * effective_substep);
     context.damping.clear();
     context.damping.extend(materials.map(|m| substep_damping(m, substep)));
     if context.integrated.cells.len() != particles.layout.cells() {

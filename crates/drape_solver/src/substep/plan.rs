@@ -197,11 +197,10 @@ impl Plan {
         self.lines.extend(all.into_iter().filter_map(sticks));
     }
 
-    /// True if lines are solved in this iteration: in each, but those of a membrane only in the last. A second solve would add the pull
-    /// of its springs once more.
+    /// True if lines are solved in this iteration: in the last ones.
     pub fn solves_lines(&self, topology: &Topology, iteration: u32, iterations: u32) -> bool {
-        let is_last = iteration + 1 == iterations;
-        !self.lines.is_empty() && iteration < iterations && (topology.membrane.is_none() || is_last)
+        let first = iterations.saturating_sub(topology.line_solves(iterations));
+        !self.lines.is_empty() && (first..iterations).contains(&iteration)
     }
 
     /// Adds a batch of sticks. Listed batches that follow each other share a stage, and so do loose ones.

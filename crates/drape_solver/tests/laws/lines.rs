@@ -70,11 +70,15 @@ fn a_taut_rope_between_two_pins_comes_to_rest() {
     }
 }
 
+/// True for the first and the last of `n`.
+fn is_side(i: u32, n: u32) -> bool {
+    i == 0 || i + 1 == n
+}
+
 /// Fine sheets of high quality hummed at 0.05 to 0.3 m/s for ever and never slept, and stretched by up to 0.7 %: the shortest waves
 /// across a taut line saw too much of its pull.
 #[test]
 fn fine_taut_sheets_come_to_rest() {
-    let is_side = |i: u32, n: u32| i == 0 || i + 1 == n;
     let held: [(&str, fn(bool, bool) -> bool); 3] = [
         ("all round", |column, row| column || row),
         ("at two sides", |column, _| column),
@@ -99,10 +103,9 @@ fn fine_taut_sheets_come_to_rest() {
 #[test]
 fn a_trampoline_under_balls_comes_to_rest() {
     let n = 33;
-    let is_side = move |i: u32| i == 0 || i + 1 == n;
     let sheet = ClothBuilder::new(2.0, 2.0, n, n)
         .placed(Vec3::new(-1.0, 0.0, -1.0), Vec3::X, Vec3::Z)
-        .pin_where(move |column, row, _| is_side(column) || is_side(row));
+        .pin_where(move |column, row, _| is_side(column, n) || is_side(row, n));
     let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
     let material = BallMaterial { radius: 0.08, mass: 0.2, ..BallMaterial::default() };
     for i in 0..9 {

@@ -332,6 +332,18 @@ mod tests {
 
     struct Solve<'a>(Chains<'a>, ElasticStick);
 
+    impl<'a> Solve<'a> {
+        /// Of the chains that `chains` makes.
+        fn new(
+            position: &'a mut [Cell],
+            inverse_mass: &'a [[f32; LANES]],
+            count: usize,
+            stick: ElasticStick,
+        ) -> Self {
+            Self(Chains { position, inverse_mass, first: 1, stride: 2, count, turns_when_taut: true }, stick)
+        }
+    }
+
     impl Kernel for Solve<'_> {
         type Output = ();
 
@@ -378,16 +390,7 @@ mod tests {
             for count in [2, 3, unless_miri(8, 4), unless_miri(61, 5)] {
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
-                let (first, stride) = (1, 2);
-                let chains = Chains {
-                    position: &mut position,
-                    inverse_mass: &inverse_mass,
-                    first,
-                    stride,
-                    count,
-                    turns_when_taut: true,
-                };
-                isa.run(Solve(chains, stick));
+                isa.run(Solve::new(&mut position, &inverse_mass, count, stick));
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
@@ -422,16 +425,7 @@ mod tests {
                     }
                     .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
                 }
-                let (first, stride) = (1, 2);
-                let chains = Chains {
-                    position: &mut position,
-                    inverse_mass: &inverse_mass,
-                    first,
-                    stride,
-                    count,
-                    turns_when_taut: true,
-                };
-                Isa::detected().run(Solve(chains, stick));
+                Isa::detected().run(Solve::new(&mut position, &inverse_mass, count, stick));
                 let bits = |cells: &[Cell]| -> Vec<u32> {
                     cells
                         .iter()
@@ -450,16 +444,7 @@ mod tests {
         let count = unless_miri(40, 6);
         let (mut position, inverse_mass) = chains(count, 1.0);
         let before = position.clone();
-        let (first, stride) = (1, 2);
-        let chains = Chains {
-            position: &mut position,
-            inverse_mass: &inverse_mass,
-            first,
-            stride,
-            count,
-            turns_when_taut: true,
-        };
-        Isa::detected().run(Solve(chains, RIGID));
+        Isa::detected().run(Solve::new(&mut position, &inverse_mass, count, RIGID));
         for lane in 0..LANES {
             for i in 0..count - 1 {
                 let stick = |cells: &[Cell]| cells[3 + 2 * i].get(lane) - cells[1 + 2 * i].get(lane);

@@ -123,7 +123,7 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut Li
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let compliance_scale = context.compliance_scale;
-    let turns_when_taut = settings.iterations == 1 || topology.membrane.is_some();
+    let turns_when_taut = topology.line_solves(settings.iterations) == 1;
     let solve =
         LineSolve { grid, position, inverse_mass, compliance_scale, length_ratio, turns_when_taut, scratch };
     match settings.projection {
