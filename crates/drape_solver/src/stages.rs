@@ -32,7 +32,7 @@ pub(crate) fn walk<const N: usize>(
                 Stages::Bodies(stages) => {
                     for index in 0..island.bodies.len() {
                         for (place, &stage) in (first..).zip(stages) {
-                            run_body_stage(island, environment, index, (stage, place), projection);
+                            run_body_stage(island, environment, workers, index, (stage, place), projection);
                         }
                     }
                     first += stages.len();
@@ -46,6 +46,7 @@ pub(crate) fn walk<const N: usize>(
 fn run_body_stage(
     island: &mut Island,
     environment: &Environment,
+    workers: &Workers,
     index: usize,
     (stage, place): (BodyStage, usize),
     projection: u32,
@@ -83,7 +84,7 @@ fn run_body_stage(
             tether_pull::pull(contacts, body, substep, movers);
         }
         BodyStage::Bends => bend::project(body, projection),
-        BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection),
+        BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection, workers),
         BodyStage::Volume => volume::project(body),
         BodyStage::AngularMomentum => angular_momentum::restore(body),
         BodyStage::Damping => stick::damp(&mut body.particles, &body.topology, &body.context.damping),

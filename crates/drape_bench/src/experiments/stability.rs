@@ -49,7 +49,7 @@ pub fn trials(sizes: &[u32]) -> Vec<Trial> {
     for choice in 0..1 << 6 {
         let is = |bit: u32| choice & (1 << bit) != 0;
         for (&n, substeps) in
-            sizes.iter().flat_map(|n| [1, 2, 4, 8, 16, 32, 64].map(|substeps| (n, substeps)))
+            sizes.iter().flat_map(|n| [1, 2, 4, 8, 12, 16, 32, 64].map(|substeps| (n, substeps)))
         {
             let options = SolverOptions {
                 substeps,

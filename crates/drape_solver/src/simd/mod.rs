@@ -17,6 +17,7 @@
 //!
 //! Imports: nothing. Callers: every kernel.
 
+pub(crate) mod cell_columns;
 pub(crate) mod columns;
 pub mod isa;
 pub(crate) mod lanes;

@@ -334,12 +334,6 @@ impl Topology {
         self.bends.lines.is_some() || self.membrane.is_some()
     }
 
-    /// The number of times that rows, columns and diagonals are solved in a substep of so many iterations: once in each, or with a
-    /// membrane in the last alone. A second solve would add the pull of its springs once more.
-    pub(crate) fn line_solves(&self, iterations: u32) -> u32 {
-        if self.membrane.is_some() { 1 } else { iterations }
-    }
-
     /// True if the particles are in one line.
     pub(crate) fn is_rope(&self) -> bool {
         matches!(self.layout, Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }))

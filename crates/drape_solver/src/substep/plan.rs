@@ -143,7 +143,7 @@ impl Plan {
                 BodyStage::Tethers if has_sticks && settings.tethers && !topology.tethers.is_empty() => {
                     self.stages.push(StripStage::Tethers);
                 }
-                BodyStage::Lines if self.solves_lines(topology, projection, settings.iterations) => {
+                BodyStage::Lines if self.solves_lines(projection, settings.iterations) => {
                     self.places_of_lines.push(self.stages.len());
                 }
                 BodyStage::Update => {
@@ -197,10 +197,9 @@ impl Plan {
         self.lines.extend(all.into_iter().filter_map(sticks));
     }
 
-    /// True if lines are solved in this iteration: in the last ones.
-    pub fn solves_lines(&self, topology: &Topology, iteration: u32, iterations: u32) -> bool {
-        let first = iterations.saturating_sub(topology.line_solves(iterations));
-        !self.lines.is_empty() && (first..iterations).contains(&iteration)
+    /// True if lines are solved in this iteration: in the last one, as small sheets would gain energy by more.
+    pub fn solves_lines(&self, iteration: u32, iterations: u32) -> bool {
+        !self.lines.is_empty() && iteration + 1 == iterations
     }
 
     /// Adds a batch of sticks. Listed batches that follow each other share a stage, and so do loose ones.

@@ -55,9 +55,15 @@ pub(crate) fn move_pins(body: &mut Body) {
 }
 
 /// Solves the lines of iteration `index`.
-pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep, index: u32) {
-    if plan.plan.solves_lines(&body.topology, index, body.settings.iterations) {
-        line::solve(body, &plan.plan.lines, &mut plan.lines, substep);
+pub(crate) fn solve_lines(
+    body: &mut Body,
+    plan: &mut BodyPlan,
+    substep: Substep,
+    index: u32,
+    workers: &Workers,
+) {
+    if plan.plan.solves_lines(index, body.settings.iterations) {
+        line::solve(body, &plan.plan.lines, &mut plan.lines, substep, workers);
     }
 }
 
@@ -105,7 +111,7 @@ pub(crate) fn substeps(
         // Lines are solved between sweeps.
         for &place in &plan.places_of_lines {
             stages(body, substep, done..place);
-            line::solve(body, &plan.lines, lines, substep);
+            line::solve(body, &plan.lines, lines, substep, workers);
             done = place;
         }
         let next = match plan.places_of_lines.first() {

@@ -334,7 +334,7 @@ fn every_machine_ends_in_the_golden_bits() {
         0x6bb5ca97df8db30a,
         0x2adf244fad94d77c,
         0x7d2bc690c7fa75fb,
-        0xe858f5bd58b6a61a,
+        0x976c13e290ac68b4,
         0x68b527578ca4f386,
         0x394855ad7cfd621e,
     ];

@@ -116,7 +116,7 @@ impl Chains<'_> {
     fn push<S: Simd>(&mut self, simd: S, i: usize, [end, middle, start]: [Lanes3<S>; 3]) {
         let force = end.minus(middle.times(f32x16::splat(simd, 2.0))).plus(start);
         let step = force.times(self.inverse_mass(simd, i));
-        self.position(simd, i).plus(step).store(&mut self.position[self.first + i * self.stride]);
+        self.set_position(i, self.position(simd, i).plus(step));
     }
 }
 
@@ -126,6 +126,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use crate::constraint::testing::{self, dice};
+    use crate::simd::cell_columns::CellColumns;
     use crate::simd::isa::{Isa, Kernel};
     use crate::simd::miri::unless_miri;
 
@@ -188,14 +189,8 @@ mod tests {
                     }
                 }
                 let before = position.clone();
-                isa.run(Bend(Chains {
-                    position: &mut position,
-                    inverse_mass: &inverse_mass,
-                    first: 0,
-                    stride: 2,
-                    count,
-                    turns_when_taut: false,
-                }));
+                let mut columns = CellColumns::new(&mut position, 2);
+                isa.run(Bend(Chains { position: columns.column(0), inverse_mass: &inverse_mass, count }));
                 (0..LANES).for_each(|lane| {
                     let start: Vec<Vec3> = (0..count).map(|i| before[2 * i].get(lane)).collect();
                     let weights: Vec<f32> = (0..count).map(|i| inverse_mass[2 * i][lane]).collect();

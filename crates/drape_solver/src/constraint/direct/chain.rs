@@ -26,22 +26,20 @@ use crate::constants::{
 };
 use crate::constraint::direct::taut_chain::ChainTurn;
 use crate::constraint::projection::Projection;
-use crate::simd::columns::{Cell, LANES};
+use crate::simd::cell_columns::CellColumn;
+use crate::simd::columns::LANES;
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::membrane::ElasticStick;
 
-/// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
+/// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `i`.
 ///
 /// A lane whose inverse masses are all zero stays as it is.
 pub(crate) struct Chains<'a> {
-    pub position: &'a mut [Cell],
+    pub position: CellColumn<'a>,
+    /// Of all cells that those of `position` are a part of.
     pub inverse_mass: &'a [[f32; LANES]],
-    pub first: usize,
-    pub stride: usize,
     /// The number of particles in a chain.
     pub count: usize,
-    /// True if taut chains [turn implicitly](crate::constraint::direct::taut_chain).
-    pub turns_when_taut: bool,
 }
 
 /// Scratch of the stick below each particle.
@@ -112,8 +110,7 @@ impl Chains<'_> {
         let compliance = compliances(simd, stick.compliance, edges);
         self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
         let [mut turn, tautness] = self.substitute(simd, scratch);
-        let limit = if self.turns_when_taut { TAUT } else { f32::INFINITY };
-        let is_taut = tautness.simd_gt(f32x16::splat(simd, limit));
+        let is_taut = tautness.simd_gt(f32x16::splat(simd, TAUT));
         if is_taut.any_true() {
             turn = is_taut.select(self.turn_implicitly(simd, scratch), turn);
         }
@@ -146,12 +143,12 @@ impl Chains<'_> {
         let one = f32x16::splat(simd, 1.0);
         let least = f32x16::splat(simd, LEAST_WEIGHT);
         let sticks = &mut scratch.sticks[..self.count];
-        let mut a = Lanes3::load(simd, &self.position[self.first]);
+        let mut a = self.position(simd, 0);
         let mut wa = self.inverse_mass(simd, 0);
         let mut above = Lanes3 { x: zero, y: zero, z: zero };
         let (mut inverse_above, mut right_above) = (zero, zero);
         for i in 0..self.count - 1 {
-            let b = Lanes3::load(simd, &self.position[self.first + (i + 1) * self.stride]);
+            let b = self.position(simd, i + 1);
             let wb = self.inverse_mass(simd, i + 1);
             let delta = b.minus(a);
             let length = delta.dot(delta).sqrt();
@@ -186,25 +183,24 @@ impl Chains<'_> {
         let none = Lanes3 { x: zero, y: zero, z: zero };
         let sticks = &mut scratch.sticks[..self.count];
         let (mut multiplier, mut pull, mut step_below) = (zero, none, none);
-        let mut b = self.position(simd, self.count - 1);
+        let (mut b, mut wb) = (self.position(simd, self.count - 1), self.inverse_mass(simd, self.count - 1));
         let (mut greatest, mut tautness) = (zero, zero);
         for i in (0..self.count - 1).rev() {
-            let a = self.position(simd, i);
+            let (a, wa) = (self.position(simd, i), self.inverse_mass(simd, i));
             multiplier = load(simd, &sticks[i].right) + load(simd, &sticks[i].upper) * multiplier;
             let scaled = multiplier * load(simd, &sticks[i].scale);
             sticks[i].right = scaled.to_array();
             // The stick of the previous round pulls the particle below down, and this one pulls it up.
             let pull_up = b.minus(a).times(scaled);
-            let w = self.inverse_mass(simd, i + 1);
-            tautness = tautness.max(scaled * w.max(self.inverse_mass(simd, i)));
-            let step = pull.minus(pull_up).times(w);
+            tautness = tautness.max(scaled * wb.max(wa));
+            let step = pull.minus(pull_up).times(wb);
             if i + 2 < self.count {
                 let turn = step_below.minus(step);
                 greatest = greatest.max(turn.dot(turn));
             }
-            (b, pull, step_below) = (a, pull_up, step);
+            (b, wb, pull, step_below) = (a, wa, pull_up, step);
         }
-        let turn = step_below.minus(pull.times(self.inverse_mass(simd, 0)));
+        let turn = step_below.minus(pull.times(wb));
         [greatest.max(turn.dot(turn)), tautness]
     }
 
@@ -231,7 +227,7 @@ impl Chains<'_> {
             let moved = a.plus(step);
             // Adding nothing would change the sign of a zero.
             let moved = if HAS_TAUT { a.or(is_taut, moved) } else { moved };
-            moved.store(&mut self.position[self.first + i * self.stride]);
+            self.set_position(i, moved);
             (a, pull_up) = (b, pull);
         }
     }
@@ -249,27 +245,31 @@ impl Chains<'_> {
         let zero = f32x16::splat(simd, 0.0);
         let least = f32x16::splat(simd, LEAST_WEIGHT);
         for i in (0..self.count - 1).step_by(2).chain((1..self.count - 1).step_by(2)) {
-            let [a, b] = [i, i + 1].map(|i| self.first + i * self.stride);
             let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
-            let (p, q) = (Lanes3::load(simd, &self.position[a]), Lanes3::load(simd, &self.position[b]));
-            let delta = q.minus(p);
+            let (a, b) = (self.position(simd, i), self.position(simd, i + 1));
+            let delta = b.minus(a);
             let error =
                 is_swept.select(projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest)), zero);
             let scale = error / ((wa + wb).max(least) + compliance);
-            p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
-            q.minus(delta.times(scale * wb)).store(&mut self.position[b]);
+            self.set_position(i, a.plus(delta.times(scale * wa)));
+            self.set_position(i + 1, b.minus(delta.times(scale * wb)));
         }
     }
 
     #[inline(always)]
     pub(super) fn position<S: Simd>(&self, simd: S, i: usize) -> Lanes3<S> {
-        Lanes3::load(simd, &self.position[self.first + i * self.stride])
+        Lanes3::load(simd, self.position.get(i))
+    }
+
+    #[inline(always)]
+    pub(super) fn set_position<S: Simd>(&mut self, i: usize, position: Lanes3<S>) {
+        position.store(self.position.get_mut(i));
     }
 
     #[inline(always)]
     pub(super) fn inverse_mass<S: Simd>(&self, simd: S, i: usize) -> f32x16<S> {
         let greatest = f32x16::splat(simd, GREATEST_INVERSE_MASS);
-        load(simd, &self.inverse_mass[self.first + i * self.stride]).min(greatest)
+        load(simd, &self.inverse_mass[self.position.place(i)]).min(greatest)
     }
 }
 
@@ -288,6 +288,8 @@ pub(super) fn compliances<S: Simd>(simd: S, inside: f32, edges: u16) -> f32x16<S
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::cell_columns::CellColumns;
+    use crate::simd::columns::Cell;
     use crate::simd::miri::unless_miri;
     use glam::{DVec3, Vec3};
 
@@ -330,28 +332,25 @@ mod tests {
         position
     }
 
-    struct Solve<'a>(Chains<'a>, ElasticStick);
-
-    impl<'a> Solve<'a> {
-        /// Of the chains that `chains` makes.
-        fn new(
-            position: &'a mut [Cell],
-            inverse_mass: &'a [[f32; LANES]],
-            count: usize,
-            stick: ElasticStick,
-        ) -> Self {
-            Self(Chains { position, inverse_mass, first: 1, stride: 2, count, turns_when_taut: true }, stick)
-        }
+    /// A solve of the chains that `chains` makes.
+    struct Solve<'a> {
+        position: &'a mut [Cell],
+        inverse_mass: &'a [[f32; LANES]],
+        count: usize,
+        stick: ElasticStick,
     }
 
     impl Kernel for Solve<'_> {
         type Output = ();
 
         #[inline(always)]
-        fn run<S: Simd>(mut self, simd: S) {
+        fn run<S: Simd>(self, simd: S) {
+            let Self { position, inverse_mass, count, stick } = self;
             let mut scratch = ChainScratch::default();
-            scratch.reserve(self.0.count);
-            self.0.solve(simd, &mut scratch, self.1, EDGES, Exact);
+            scratch.reserve(count);
+            let mut columns = CellColumns::new(position, 2);
+            let mut chains = Chains { position: columns.column(1), inverse_mass, count };
+            chains.solve(simd, &mut scratch, stick, EDGES, Exact);
         }
     }
 
@@ -390,7 +389,7 @@ mod tests {
             for count in [2, 3, unless_miri(8, 4), unless_miri(61, 5)] {
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
-                isa.run(Solve::new(&mut position, &inverse_mass, count, stick));
+                isa.run(Solve { position: &mut position, inverse_mass: &inverse_mass, count, stick });
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
@@ -417,15 +416,18 @@ mod tests {
                 for lane in 0..LANES {
                     let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
                     let compliance = stick.compliance / width_share(lane) as f32;
-                    LoneChain {
-                        position: &mut lone,
-                        inverse_mass: &inverse_mass,
-                        slots: &slots,
-                        turns_when_taut: true,
-                    }
-                    .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
+                        &mut sticks,
+                        ElasticStick { compliance, ..stick },
+                        Exact,
+                    );
                 }
-                Isa::detected().run(Solve::new(&mut position, &inverse_mass, count, stick));
+                Isa::detected().run(Solve {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    count,
+                    stick,
+                });
                 let bits = |cells: &[Cell]| -> Vec<u32> {
                     cells
                         .iter()
@@ -444,7 +446,12 @@ mod tests {
         let count = unless_miri(40, 6);
         let (mut position, inverse_mass) = chains(count, 1.0);
         let before = position.clone();
-        Isa::detected().run(Solve::new(&mut position, &inverse_mass, count, RIGID));
+        Isa::detected().run(Solve {
+            position: &mut position,
+            inverse_mass: &inverse_mass,
+            count,
+            stick: RIGID,
+        });
         for lane in 0..LANES {
             for i in 0..count - 1 {
                 let stick = |cells: &[Cell]| cells[3 + 2 * i].get(lane) - cells[1 + 2 * i].get(lane);

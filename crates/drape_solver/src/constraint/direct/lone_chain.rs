@@ -36,8 +36,6 @@ pub(crate) struct LoneChain<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     pub slots: &'a [u32],
-    /// True if it turns implicitly when it is taut.
-    pub turns_when_taut: bool,
 }
 
 impl LoneChain<'_> {
@@ -50,7 +48,7 @@ impl LoneChain<'_> {
         let sticks = &mut sticks[..=count];
         self.eliminate(sticks, stick);
         let [mut turn, tautness] = self.substitute(sticks);
-        let is_taut = self.turns_when_taut && tautness > TAUT;
+        let is_taut = tautness > TAUT;
         if is_taut {
             turn = self.turn_implicitly(sticks);
         }

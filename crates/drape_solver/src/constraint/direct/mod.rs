@@ -3,6 +3,7 @@
 //! Imports: `state` and below. Callers: `substep`.
 
 pub(crate) mod bent_chain;
+pub(crate) mod bundle;
 pub(crate) mod chain;
 pub(crate) mod grid_lines;
 pub(crate) mod line;

@@ -96,7 +96,7 @@ impl Chains<'_> {
         for (i, turn) in scratch.turns[..self.count].iter().enumerate() {
             let before = self.position(simd, i);
             let after = before.plus(Lanes3::load(simd, &turn.step).times(part));
-            after.or(is_taut, before).store(&mut self.position[self.first + i * self.stride]);
+            self.set_position(i, after.or(is_taut, before));
         }
     }
 }

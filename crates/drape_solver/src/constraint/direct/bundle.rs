@@ -1,0 +1,268 @@
+//! Bundles of sixteen lines, which are independent of each other: threads share them.
+//!
+//! ```text
+//!   columns   | | | |   thread 1 solves the bundles on the left        rows   =====   thread 1 solves those above
+//!             | | | |   of a cut, thread 2 those on the right                 =====   a cut, thread 2 those below
+//! ```
+//!
+//! Design: `docs/design/line_solves.md`.
+
+use core::ops::Range;
+
+use fearless_simd::{Simd, prelude::*};
+
+use crate::constants::LEAST_SHARED_CELLS;
+use crate::constraint::direct::bent_chain::ChainBend;
+use crate::constraint::direct::chain::{ChainScratch, Chains};
+use crate::constraint::direct::grid_lines::{RuledGrid, Solved};
+use crate::constraint::projection::{Exact, Projection, SquareRootFree};
+use crate::parallel::workers::Workers;
+use crate::simd::cell_columns::{CellColumn, CellColumns};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::load;
+use crate::simd::transpose::transpose;
+use crate::state::bends::is_at_edge;
+use crate::state::layout::Grid;
+use crate::state::settings::StickProjection;
+
+/// Scratch of one thread for one bundle of lines.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BundleScratch {
+    pub chain: ChainScratch,
+    pub bends: Vec<ChainBend>,
+    /// The particles of sixteen lines that were brought into the lanes.
+    pub position: Vec<Cell>,
+    pub inverse_mass: Vec<[f32; LANES]>,
+}
+
+impl BundleScratch {
+    /// Makes room for lines that are brought into the lanes.
+    pub fn reserve_particles(&mut self, count: usize) {
+        grow(&mut self.position, count);
+        grow(&mut self.inverse_mass, count);
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        let Self { chain, bends, position, inverse_mass } = self;
+        chain.bytes() + size_of_val(&**bends) + size_of_val(&**position) + size_of_val(&**inverse_mass)
+    }
+}
+
+/// Makes room for `count` values.
+pub(super) fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
+    values.resize(count.max(values.len()), T::default());
+}
+
+/// The direction of the lines.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Direction {
+    /// Bundle `k` is column `k` of all patches, which is in the lanes already.
+    Columns,
+    /// Bundle `k` is the rows from `16 k` on, which must be transposed into the lanes.
+    Rows,
+}
+
+/// What all threads read.
+#[derive(Clone, Copy)]
+pub(super) struct BundleSolve<'a> {
+    pub grid: RuledGrid,
+    /// The patches of the grid, which lie side by side.
+    pub patches: Grid,
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub direction: Direction,
+    pub solved: Solved,
+    pub projection: StickProjection,
+    pub isa: Isa,
+}
+
+impl BundleSolve<'_> {
+    /// Solves all lines of this direction on the threads that are free, with the bits that one thread leaves. `scratch` has one
+    /// for each thread.
+    pub fn solve(&self, position: &mut [Cell], scratch: &mut [BundleScratch], workers: &Workers) {
+        let cells = position.len();
+        let (number, width) = match self.direction {
+            Direction::Columns => (self.patches.width, self.patches.width),
+            // All cells side by side: rows are cut between two cells.
+            Direction::Rows => (self.grid.rows.div_ceil(LANES), cells),
+        };
+        let threads = workers.count().min(cells / LEAST_SHARED_CELLS).min(number);
+        self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads.max(1));
+    }
+
+    /// Solves `bundles`, which are in these cells, on up to `threads` threads.
+    fn share(
+        &self,
+        mut position: CellColumns,
+        bundles: Range<usize>,
+        scratch: &mut [BundleScratch],
+        workers: &Workers,
+        threads: usize,
+    ) {
+        let Range { start, end } = bundles;
+        if threads < 2 {
+            if let Some(scratch) = scratch.first_mut() {
+                let solve = *self;
+                self.isa.run(SomeBundles { solve, position, bundles, scratch });
+            }
+            return;
+        }
+        let before = threads / 2;
+        let middle = start + (end - start) * before / threads;
+        let [mut first, mut second] = position.split_at(match self.direction {
+            Direction::Columns => middle,
+            Direction::Rows => middle * LANES * self.patches.width,
+        });
+        let (scratch, other) = scratch.split_at_mut(before);
+        workers
+            .join(&mut || self.share(first.reborrow(), start..middle, scratch, workers, before), &mut || {
+                self.share(second.reborrow(), middle..end, other, workers, threads - before)
+            });
+    }
+}
+
+/// Some bundles, for one thread.
+struct SomeBundles<'a> {
+    solve: BundleSolve<'a>,
+    position: CellColumns<'a>,
+    bundles: Range<usize>,
+    scratch: &'a mut BundleScratch,
+}
+
+impl Kernel for SomeBundles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        match self.solve.projection {
+            StickProjection::Exact => self.run_with(simd, Exact),
+            StickProjection::SquareRootFree => self.run_with(simd, SquareRootFree),
+        }
+    }
+}
+
+impl SomeBundles<'_> {
+    #[inline(always)]
+    fn run_with<S: Simd>(mut self, simd: S, projection: impl Projection) {
+        for bundle in self.bundles.clone() {
+            match self.solve.direction {
+                Direction::Columns => self.columns(simd, bundle, projection),
+                Direction::Rows => self.rows(simd, bundle * LANES, projection),
+            }
+        }
+    }
+
+    /// Solves one column of all patches, where it lies.
+    #[inline(always)]
+    fn columns<S: Simd>(&mut self, simd: S, column: usize, projection: impl Projection) {
+        let BundleSolve { grid, patches, inverse_mass, solved, .. } = self.solve;
+        let position = self.position.column(column);
+        let chains = Chains { position, inverse_mass, count: grid.rows };
+        let is_edge = |lane| is_at_edge(lane * patches.width + column, grid.columns);
+        solve_chains(
+            simd,
+            chains,
+            (&mut self.scratch.chain, &mut self.scratch.bends),
+            solved,
+            is_edge,
+            projection,
+        );
+    }
+
+    /// Solves sixteen rows from row `first` on.
+    #[inline(always)]
+    fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
+        self.transpose_rows(simd, first);
+        let BundleSolve { grid, solved, .. } = self.solve;
+        let BundleScratch { chain, bends, position, inverse_mass } = &mut *self.scratch;
+        let position = CellColumn::new(position);
+        let chains = Chains { position, inverse_mass, count: grid.columns };
+        let is_edge = |lane| is_at_edge(first + lane, grid.rows);
+        solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
+        self.transpose_back(simd, first);
+    }
+
+    /// Transposes sixteen rows from row `first` on into chains side by side. Spare lanes repeat the last row.
+    ///
+    /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
+    fn transpose_rows<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { solve: BundleSolve { grid, patches, inverse_mass, .. }, position, bundles, scratch } =
+            self;
+        let BundleScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
+        let (width, last) = (patches.width, grid.rows - 1);
+        // The cells of this thread begin further down.
+        let above = bundles.start * LANES * width;
+        let position = position.row(0);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    let cell = |row: usize| (first + row).min(last) * width + column;
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |row| load(simd, position[cell(row) - above].axes()[axis]),
+                            #[inline(always)]
+                            |patch, of_rows| {
+                                *transposed[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                            },
+                        );
+                    }
+                    transpose(
+                        #[inline(always)]
+                        |row| load(simd, &inverse_mass[cell(row)]),
+                        #[inline(always)]
+                        |patch, of_rows| transposed_mass[patch * width + column] = of_rows.to_array(),
+                    );
+                }
+            },
+        );
+    }
+
+    /// The inverse of [`transpose_rows`](Self::transpose_rows).
+    fn transpose_back<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { solve: BundleSolve { grid, patches, .. }, position, bundles, scratch } = self;
+        let transposed = &scratch.position;
+        let (width, rows) = (patches.width, grid.rows);
+        let above = bundles.start * LANES * width;
+        let position = position.row(0);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |patch| load(simd, transposed[patch * width + column].axes()[axis]),
+                            #[inline(always)]
+                            |row, of_patches| {
+                                if first + row < rows {
+                                    let cell = (first + row) * width + column - above;
+                                    *position[cell].axes_mut()[axis] = of_patches.to_array();
+                                }
+                            },
+                        );
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth.
+#[inline(always)]
+pub(super) fn solve_chains<S: Simd>(
+    simd: S,
+    mut chains: Chains,
+    (chain, bends): (&mut ChainScratch, &mut [ChainBend]),
+    solved: Solved,
+    is_edge: impl Fn(usize) -> bool,
+    projection: impl Projection,
+) {
+    let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
+    match solved {
+        Solved::Sticks(stick) => chains.solve(simd, chain, stick, edges, projection),
+        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
+    }
+}
