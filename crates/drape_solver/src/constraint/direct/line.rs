@@ -88,8 +88,8 @@ impl LineScratch {
 
     /// Makes room for `threads` threads.
     fn share(&mut self, threads: usize) {
-        if let Some(first) = self.bundles.first().cloned()
-            && threads > self.bundles.len()
+        if threads > self.bundles.len()
+            && let Some(first) = self.bundles.first().cloned()
         {
             self.bundles.resize(threads, first);
         }
