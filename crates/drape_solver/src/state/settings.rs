@@ -38,8 +38,9 @@ pub enum StructuralSolve {
     /// time; in equal time by a tenth of what sweeps leave.
     ///
     /// Takes effect if structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from 9 x 9
-    /// particles, or 33 in a rope. Other sticks are still swept. The gain grows with the substeps: with fewer than 8
-    /// the shear and bend sticks undo much of the lines' work.
+    /// particles, or 33 in a rope. Other sticks are still swept. Lines are solved once a substep, in the last iteration, so that
+    /// one iteration serves best. The gain grows with the substeps: with fewer than 8 the shear and bend sticks undo much of
+    /// the lines' work.
     Lines,
 }
 

@@ -208,13 +208,23 @@ impl Threads for Fresh {
 /// Any number of threads may help, and may come at any time.
 #[test]
 fn every_number_of_threads_gives_the_same_bits() {
-    for kind in [(250, true, false), (250, false, false)] {
-        let alone = sheet_after(kind, 8, whole);
+    let kinds = [(250, true, false), (250, false, false)];
+    for (kind, structural) in kinds
+        .into_iter()
+        .flat_map(|kind| [StructuralSolve::Sweeps, StructuralSolve::Lines].map(|lines| (kind, lines)))
+    {
+        let after = |take: &dyn Fn(&mut Island, &Environment)| {
+            sheet_after(kind, 8, |island, environment| {
+                island.bodies[0].settings.structural = structural;
+                take(island, environment);
+            })
+        };
+        let alone = after(&whole);
         for threads in [2, 3, 8] {
-            let shared = sheet_after(kind, 8, |island, environment| {
+            let shared = after(&|island, environment| {
                 step_on(island, environment, &Fresh(threads)).expect("finite");
             });
-            assert_eq!(shared, alone, "{threads} threads, {kind:?}");
+            assert_eq!(shared, alone, "{threads} threads, {kind:?}, {structural:?}");
         }
     }
 }
