@@ -6,7 +6,7 @@ use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RigidBody,
-    RopeBuilder, SelfContact, Shape, Threads, Wind, step, step_on,
+    RopeBuilder, SelfContact, Shape, StructuralSolve, Threads, Wind, step, step_on,
 };
 
 use crate::common::*;
