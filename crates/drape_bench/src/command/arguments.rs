@@ -13,6 +13,7 @@ use crate::experiments::contact_cost::ContactArguments;
 use crate::experiments::fabrics::FabricArguments;
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu::GpuArguments;
+use crate::experiments::quality::QualityArguments;
 #[cfg(feature = "plugin")]
 use crate::experiments::rollback::RollbackArguments;
 use crate::experiments::shots::ShotArguments;
@@ -66,6 +67,8 @@ pub enum Task {
     Contact(ContactRuns),
     /// Measures the cost of torn cloth, and of tearing.
     Torn(TornArguments),
+    /// Measures the time to quality: what a step costs that stretches a sheet by at most 1 %, 0.1 % and 0.01 %.
+    Quality(QualityArguments),
     /// Measures drape and stretch of the named materials.
     Presets,
     /// Measures bending and drape of fabrics that a laboratory has measured.

@@ -11,7 +11,7 @@ use crate::command::arguments::{Arguments, Command, Task};
 use crate::experiments::gpu;
 #[cfg(feature = "plugin")]
 use crate::experiments::{broad, rollback, street};
-use crate::experiments::{contact, contact_cost, fabrics, golden, presets, shots, stability, torn};
+use crate::experiments::{contact, contact_cost, fabrics, golden, presets, quality, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;
 use crate::report::outcome::{Outcome, fill_ratios};
@@ -44,6 +44,7 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Contact(runs) => contact::report::report(runs)?,
         Task::Torn(cuts) => torn::report(cuts)?,
+        Task::Quality(arguments) => quality::report(arguments, solvers)?,
         Task::Presets => presets::report()?,
         Task::Fabrics(arguments) => fabrics::report(arguments)?,
         #[cfg(feature = "gpu")]

@@ -1,6 +1,6 @@
 //! One experiment per file: measurements with a question of their own, and Table 1 of the founding paper.
 //!
-//! Imports `solvers`, `scenes`, `collision`, and medians and times of `measure`. The program runs one per
+//! Imports `solvers`, `scenes`, `collision`, `measure` and `report`. The program runs one per
 //! subcommand; the cannon demo runs `table1`.
 
 pub mod bombardment;
@@ -14,6 +14,7 @@ pub mod golden;
 pub mod gpu;
 pub mod oracle;
 pub mod presets;
+pub mod quality;
 #[cfg(feature = "plugin")]
 pub mod rollback;
 pub mod shots;

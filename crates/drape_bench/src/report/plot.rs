@@ -77,7 +77,7 @@ fn curves(outcomes: &[Outcome]) -> Vec<(String, Vec<&Outcome>)> {
 }
 
 /// From the least to the greatest of what a logarithm can show, wider by `margin` at both ends.
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
+pub(super) fn range(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
     let shown = values.filter(|value| *value > 0.0 && value.is_finite());
     let (least, greatest) =
         shown.fold((f64::MAX, 0.0), |(low, high), value| (f64::min(low, value), f64::max(high, value)));
