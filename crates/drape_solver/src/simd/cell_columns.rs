@@ -1,4 +1,4 @@
-//! Columns of cells: what is left of a body's cells if threads share it from side to side.
+//! Columns of cells, for threads that share a body from side to side.
 //!
 //! ```text
 //!   width 4   0   1 | 2   3      Cells lie row after row. Cut between two columns, each side has cells all over the memory,
@@ -9,6 +9,10 @@
 //! Design: `docs/design/sweeps_and_threads.md`.
 
 #![expect(unsafe_code, reason = "the two sides of a cut lie interleaved in memory")]
+#![expect(
+    clippy::needless_pass_by_ref_mut,
+    reason = "only one may have a column at a time: clippy does not see through pointers"
+)]
 
 use core::marker::PhantomData;
 use core::ops::Range;

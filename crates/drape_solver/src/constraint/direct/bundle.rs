@@ -55,6 +55,11 @@ pub(super) fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count.max(values.len()), T::default());
 }
 
+/// The number of threads, of as many as there are, that share a body of so many cells.
+pub(super) fn threads(most: usize, cells: usize) -> usize {
+    most.min(cells / LEAST_SHARED_CELLS).max(1)
+}
+
 /// The direction of the lines.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
@@ -87,8 +92,8 @@ impl BundleSolve<'_> {
             // All cells side by side: rows are cut between two cells.
             Direction::Rows => (self.grid.rows.div_ceil(LANES), cells),
         };
-        let threads = workers.count().min(cells / LEAST_SHARED_CELLS).min(number);
-        self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads.max(1));
+        let threads = threads(workers.count(), cells).min(number).min(scratch.len());
+        self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads);
     }
 
     /// Solves `bundles`, which are in these cells, on up to `threads` threads.
@@ -115,10 +120,10 @@ impl BundleSolve<'_> {
             Direction::Rows => middle * LANES * self.patches.width,
         });
         let (scratch, other) = scratch.split_at_mut(before);
-        workers
-            .join(&mut || self.share(first.reborrow(), start..middle, scratch, workers, before), &mut || {
-                self.share(second.reborrow(), middle..end, other, workers, threads - before)
-            });
+        let after = threads - before;
+        let mut one = || self.share(first.reborrow(), start..middle, scratch, workers, before);
+        let mut two = || self.share(second.reborrow(), middle..end, other, workers, after);
+        workers.join(&mut one, &mut two);
     }
 }
 

@@ -13,7 +13,7 @@
 
 use fearless_simd::Simd;
 
-use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, Direction, grow, solve_chains};
+use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, Direction, grow, solve_chains};
 use crate::constraint::direct::chain::Chains;
 use crate::constraint::direct::grid_lines::{GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
@@ -118,7 +118,7 @@ pub(crate) fn solve(
     let length_ratio = particles.length_ratio(substep);
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut *particles.position.cells;
-    scratch.share(workers.most());
+    scratch.share(bundle::threads(workers.most(), position.len()));
     for &(lines, mut solved) in lines {
         match &mut solved {
             Solved::Sticks(stick) => {
