@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn no_choice_gains_energy_on_a_small_sheet() {
         for trial in trials(&[12]) {
-            let gain = trial.gain(120).expect("finite");
+            let gain = trial.gain(180).expect("finite");
             assert!(!gain.is_one(), "{gain:?}: {trial}");
         }
     }

@@ -77,6 +77,7 @@ fn try_draw(path: &Path, trials: &[Trial]) -> Result<(), Box<dyn std::error::Err
         }
         chart
             .configure_series_labels()
+            .position(SeriesLabelPosition::LowerLeft)
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.3))
             .draw()?;
