@@ -7,7 +7,7 @@
 //! `stability` checks that no choice of settings gains energy; `hashes` prints state hashes that must be equal on every
 //! machine; `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles,
 //! `contacts` the cost per particle of each kind of contact, `contact` cloth and ropes against themselves, with the edges that
-//! pass through triangles, `street` the savings by levels of detail, `torn` tearing and torn cloth, `quality` what a step costs that hardly stretches a sheet,
+//! pass through triangles, `street` the savings by levels of detail, `torn` tearing and torn cloth, `quality` the cost of a step at which a sheet hardly stretches,
 //! `presets` the named materials, `fabrics` those that a laboratory has measured, `gpu` (a feature) the solver on the GPU.
 //!
 //! This is also a library, so that the peers that need an old Bevy can be compiled separately, in `peers`: they pass their

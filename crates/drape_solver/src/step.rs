@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! begin -> accumulate forces -> detect collisions
-//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones, limits, backstops ] x substeps
+//!       -> [ integrate -> relax x N (contacts, sticks, tethers; lines in the last) -> project collisions, friction, zones, limits, backstops ] x substeps
 //!       -> finish
 //! ```
 //!
@@ -250,8 +250,8 @@ fn integrate_on(island: &mut Island, environment: &Environment, workers: &Worker
     walk(island, environment, workers, island.context.order.integrate());
 }
 
-/// Phase 2 of a substep: N times contacts, sticks, tethers, lines. Stop after any iteration; the next step continues from
-/// there.
+/// Phase 2 of a substep: N times contacts, sticks, tethers, and lines in the last. Stop after any iteration; the next step
+/// continues from there.
 pub fn relax(island: &mut Island, environment: &Environment) {
     relax_on(island, environment, &Workers::default());
 }
@@ -282,14 +282,16 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
     }
 }
 
-/// True if the strain of every body is within its tolerance, and none has bends or a membrane, which take all of its iterations.
+/// True if the strain of every body is within its tolerance, and none has lines, which are solved in the last iteration, or listed bends,
+/// which take all.
 fn is_relaxed(island: &Island, environment: &Environment) -> bool {
-    let substep = island.context.now(island.isa, environment);
-    island.bodies.iter().all(|body| {
+    let Island { bodies, context, .. } = island;
+    let substep = context.now(island.isa, environment);
+    bodies.iter().zip(&context.plans).all(|(body, plan)| {
         let tolerance = body.settings.tolerance;
         let strain = || greatest_strain(body, body.particles.length_ratio(substep));
-        let has_springs = !body.topology.bends.is_empty() || body.topology.membrane.is_some();
-        tolerance > 0.0 && !has_springs && strain() <= tolerance
+        let takes_all = !plan.plan.lines.is_empty() || !body.topology.bends.listed.is_empty();
+        tolerance > 0.0 && !takes_all && strain() <= tolerance
     })
 }
 

@@ -67,7 +67,7 @@ pub enum Task {
     Contact(ContactRuns),
     /// Measures the cost of torn cloth, and of tearing.
     Torn(TornArguments),
-    /// Measures the time to quality: what a step costs that stretches a sheet by at most 1 %, 0.1 % and 0.01 %.
+    /// Measures the time to quality: the cost of a step at which a sheet stretches by no more than 1 %, 0.1 % and 0.01 %.
     Quality(QualityArguments),
     /// Measures drape and stretch of the named materials.
     Presets,

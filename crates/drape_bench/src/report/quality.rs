@@ -63,6 +63,9 @@ fn try_draw(path: &Path, trials: &[Trial]) -> Result<(), Box<dyn std::error::Err
             let lines = if trial.lines { ", lines" } else { "" };
             let name = format!("{}{lines}, {}", trial.solver, trial.pins);
             let point = (trial.rms * 100.0, trial.ms);
+            if !(point.0 > 0.0 && point.0.is_finite()) {
+                continue;
+            }
             match curves.iter_mut().find(|curve| curve.0 == name) {
                 Some((_, curve)) => curve.push(point),
                 None => curves.push((name, vec![point])),

@@ -137,11 +137,6 @@ impl ListedBend {
 }
 
 impl Bends {
-    /// True if nothing resists.
-    pub fn is_empty(&self) -> bool {
-        self.lines.is_none() && self.listed.is_empty()
-    }
-
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.listed)

@@ -65,7 +65,8 @@ pub struct BodyContext {
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
-    /// The number of line solves in a substep over the square of its duration, in 1/s^2: bends and membranes multiply their compliance by it.
+    /// The number of times that bends and membranes are solved in a substep over the square of its duration, in 1/s^2: the factor of
+    /// their compliances.
     pub(crate) compliance_scale: f32,
     pub(crate) bends: BendScratch,
     pub(crate) damping: Vec<f32>,

@@ -92,7 +92,8 @@ pub struct BodySettings {
     pub iterations: u32,
     /// Strain `|length / rest length - 1|` below which relaxation stops early: once no structural stick of the island
     /// exceeds it. From 0, which never stops early, to 1. It pays from some 8 iterations on: the strain is measured
-    /// after the first, second, fourth, eighth ... iteration, each time at the cost of about one.
+    /// after the first, second, fourth, eighth ... iteration, each time at the cost of about one. A body with lines, with a
+    /// bending rigidity or with a membrane takes all iterations.
     pub tolerance: f32,
     /// Drag of still air, in 1/s (0 or more): velocity decays as `exp(-drag t)`, whatever the step. The
     /// textbook factor of 0.99 per step at 60 Hz is 0.6/s.

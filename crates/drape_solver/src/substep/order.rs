@@ -43,7 +43,7 @@ pub(crate) enum BodyStage {
     Bends,
     Sticks,
     Tethers,
-    /// Rows, columns, diagonals and ropes that are solved directly: bends, then sticks.
+    /// Rows, columns, diagonals and ropes that are solved directly, in the last iteration: bends, then sticks.
     Lines,
     Volume,
     /// They pull at the movers, and go where these are.

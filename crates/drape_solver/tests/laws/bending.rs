@@ -199,7 +199,8 @@ fn a_renumbered_grid_resists_bending() {
     assert!(limp < -0.25 && stiff > -0.2, "{limp} m without rigidity, {stiff} m with it");
 }
 
-/// A tolerance ends the iterations of a quiet cloth at once. Bending spreads its compliance over all of them: the cloth went limp.
+/// A tolerance ends the iterations of a quiet cloth at once. Grids are bent in the last of them, and meshes spread
+/// their compliance over all: the cloth went limp.
 #[test]
 fn a_tolerance_leaves_rigidity_as_it_is() {
     let expected = expected_length(1e-4);

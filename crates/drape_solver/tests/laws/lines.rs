@@ -4,7 +4,7 @@ use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality,
-    RopeBuilder, Shape, StructuralSolve, step,
+    RopeBuilder, Shape, StateHasher, StructuralSolve, step,
 };
 
 use crate::common::*;
@@ -426,4 +426,48 @@ fn pins_and_masses_of_all_kinds_stay_finite() {
         let greatest = particles(&island).positions().map(Vec3::length).fold(0.0, f32::max);
         assert!(greatest < 5.0, "{greatest}");
     }
+}
+
+/// A tolerance ends the iterations of a quiet cloth at once. Lines are solved in the last of them: the cloth and the rope sagged by the
+/// tolerance, and sprang back.
+#[test]
+fn a_tolerance_leaves_lines_as_they_are() {
+    let hash = |tolerance| {
+        let settings = BodySettings {
+            structural: StructuralSolve::Lines,
+            iterations: 8,
+            tolerance,
+            ..BodySettings::default()
+        };
+        let sheet =
+            ClothBuilder::new(1.0, 1.0, 17, 17).placed(Vec3::ZERO, Vec3::X, Vec3::NEG_Y).pin_edge(Edge::Top);
+        let rope = RopeBuilder::new(Vec3::Z, Vec3::Z + Vec3::X, 40).pin_start();
+        let bodies = vec![sheet.build(settings).expect("valid"), rope.build(settings).expect("valid")];
+        let mut island = Island { bodies, ..Island::default() };
+        run(&mut island, &gravity(FRAME), 0.5);
+        island
+            .bodies
+            .iter()
+            .map(|body| StateHasher::new().particles(&body.particles).finish())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(hash(0.05), hash(0.0));
+}
+
+/// Lines have the last word in a substep: more iterations, which sweep the other sticks, stretch a falling sheet by little more.
+#[test]
+fn more_iterations_stretch_a_sheet_by_little_more() {
+    let motion = [1, 2, 4].map(|iterations| {
+        let sheet = ClothBuilder::new(1.0, 1.0, 33, 33)
+            .placed(Vec3::ZERO, Vec3::X, Vec3::Z)
+            .material(stiff())
+            .pin(0)
+            .pin(32);
+        let mut island = Island::of_body(sheet.build(lines(12, iterations)).expect("valid"));
+        let mut sum = 0.0;
+        run_with(&mut island, &gravity(FRAME), 2.0, |island, _| sum += stretch(island).rms);
+        sum / 120.0
+    });
+    println!("{motion:?}");
+    assert!(motion[1].max(motion[2]) < 3.0 * motion[0], "{motion:?}");
 }

@@ -41,8 +41,8 @@ pub(crate) struct ChainBend {
 }
 
 impl Chains<'_> {
-    /// One implicit step of all bends of these chains. `bends` is scratch. `compliance` is that of a bend inside the cloth times
-    /// iterations over the square of the substep, in 1/kg. `edges` has the lanes of chains at an edge of the cloth.
+    /// One implicit step of all bends of these chains. `bends` is scratch. `compliance` is that of a bend inside the cloth over
+    /// the square of the substep, in 1/kg. `edges` has the lanes of chains at an edge of the cloth.
     pub fn bend<S: Simd>(&mut self, simd: S, bends: &mut [ChainBend], compliance: f32, edges: u16) {
         if let Some(count) = self.count.checked_sub(2).filter(|&count| count > 0) {
             let bends = &mut bends[..count];

@@ -86,13 +86,24 @@ impl BundleSolve<'_> {
     /// Solves all lines of this direction on the threads that are free, with the bits that one thread leaves. `scratch` has one
     /// for each thread.
     pub fn solve(&self, position: &mut [Cell], scratch: &mut [BundleScratch], workers: &Workers) {
-        let cells = position.len();
+        let threads = threads(workers.count(), position.len());
+        self.solve_on(position, scratch, workers, threads);
+    }
+
+    /// As [`solve`](Self::solve), on up to `threads` threads.
+    fn solve_on(
+        &self,
+        position: &mut [Cell],
+        scratch: &mut [BundleScratch],
+        workers: &Workers,
+        threads: usize,
+    ) {
         let (number, width) = match self.direction {
             Direction::Columns => (self.patches.width, self.patches.width),
             // All cells side by side: rows are cut between two cells.
-            Direction::Rows => (self.grid.rows.div_ceil(LANES), cells),
+            Direction::Rows => (self.grid.rows.div_ceil(LANES), position.len()),
         };
-        let threads = threads(workers.count(), cells).min(number).min(scratch.len());
+        let threads = threads.min(number).min(scratch.len());
         self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads);
     }
 
@@ -269,5 +280,69 @@ pub(super) fn solve_chains<S: Simd>(
     match solved {
         Solved::Sticks(stick) => chains.solve(simd, chain, stick, edges, projection),
         Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::build::cloth::ClothBuilder;
+    use crate::constraint::testing::dice;
+    use crate::simd::miri::unless_miri;
+    use crate::state::membrane::ElasticStick;
+    use crate::state::settings::BodySettings;
+
+    /// Rows that fill bundles and that do not, fewer bundles than threads, sticks and bends. Miri watches how the threads' parts
+    /// are borrowed.
+    #[test]
+    fn any_number_of_threads_leaves_the_same_bits() {
+        let (columns, sizes) = unless_miri((80, vec![17, 33, 48, 100]), (32, vec![17]));
+        for rows in sizes {
+            let cloth = ClothBuilder::new(0.1 * (columns - 1) as f32, 0.1 * (rows - 1) as f32, columns, rows);
+            let mut body = cloth.pin(0).build(BodySettings::default()).expect("valid");
+            let mut dice = dice(5);
+            for i in 0..body.particles.len() {
+                let place = body.particles.position(i) + Vec3::new(dice(), dice(), dice()) * 0.02;
+                body.particles.set_position(i, place);
+            }
+            let grid = RuledGrid::of(&body.topology).expect("a grid");
+            let patches = grid.patches.expect("in patches");
+            assert_eq!(patches.down, 1, "its patches lie side by side");
+            let (inverse_mass, _) = body.particles.inverse_mass.as_chunks::<LANES>();
+            let sticks = Solved::Sticks(ElasticStick { rest: 0.1, compliance: 0.0 });
+            for (direction, solved) in [Direction::Columns, Direction::Rows]
+                .into_iter()
+                .flat_map(|direction| [(direction, sticks), (direction, Solved::Bends(1.0))])
+            {
+                let solve = BundleSolve {
+                    grid,
+                    patches,
+                    inverse_mass,
+                    direction,
+                    solved,
+                    projection: StickProjection::Exact,
+                    isa: Isa::detected(),
+                };
+                let solved_on = |threads: usize| {
+                    let mut position = body.particles.position.cells.clone();
+                    let mut scratch = vec![BundleScratch::default(); threads];
+                    for scratch in &mut scratch {
+                        let count = 2 * columns.max(rows) as usize;
+                        scratch.chain.reserve(count);
+                        scratch.reserve_particles(count);
+                        grow(&mut scratch.bends, count);
+                    }
+                    solve.solve_on(&mut position, &mut scratch, &Workers::default(), threads);
+                    position
+                };
+                let alone = solved_on(1);
+                assert!(alone != body.particles.position.cells, "{rows} rows: something moves");
+                for threads in [2, 3, 8] {
+                    assert!(solved_on(threads) == alone, "{rows} rows on {threads} threads");
+                }
+            }
+        }
     }
 }

@@ -32,7 +32,7 @@ use crate::state::topology::Topology;
 /// Scratch of line solves. Only its memory outlives a solve, and only the list of slots the step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineScratch {
-    /// One for each thread that has ever come.
+    /// One for each thread that may be called.
     bundles: Vec<BundleScratch>,
     lone: Vec<LoneStick>,
     /// Slots of gathered and lone lines: those of their first particles, then of their second, and so on, for up to
