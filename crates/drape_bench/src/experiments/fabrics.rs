@@ -1,6 +1,5 @@
 //! Measures fabrics of known bending rigidity: bending length and drape, beside what a laboratory found.
 
-use std::fs::File;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -10,6 +9,7 @@ use drape_solver::{BendingRigidity, BodySettings, ClothMaterial, Quality};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::report::table::write_json;
 
 /// Where to write the figures.
 #[derive(Args, Clone, Debug)]
@@ -107,7 +107,7 @@ pub fn report(arguments: &FabricArguments) -> Result<(), Box<dyn std::error::Err
     }
     println!("{table}");
     if let Some(path) = &arguments.json {
-        serde_json::to_writer_pretty(File::create(path)?, &all)?;
+        write_json(path, &all)?;
     }
     Ok(())
 }

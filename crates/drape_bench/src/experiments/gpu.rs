@@ -1,7 +1,6 @@
 //! Measures the solver on the GPU beside the solver on the processor, on the same scenes.
 
 use std::error::Error;
-use std::fs::File;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -12,6 +11,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::measure::median::{in_ms, median};
+use crate::report::table::write_json;
 use crate::scenes::model::Pins;
 use crate::scenes::scene::{Scene, SceneKind};
 use crate::solvers::drape::Drape;
@@ -113,7 +113,7 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
     }
     println!("{table}");
     if let Some(path) = &arguments.json {
-        serde_json::to_writer_pretty(File::create(path)?, &all)?;
+        write_json(path, &all)?;
     }
     Ok(())
 }

@@ -1,10 +1,9 @@
 //! Time to quality: the cost of a step at which a sheet stretches by no more than so much.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 
 use crate::failure::Failure;
@@ -12,6 +11,7 @@ use crate::measure::job::Job;
 use crate::measure::median::{in_ms, median};
 use crate::report::progress;
 use crate::report::quality::{Trial, draw};
+use crate::report::table::{name_of, write_json};
 use crate::scenes::model::Pins;
 use crate::scenes::scene::{Scene, SceneKind};
 use crate::solvers::options::SolverOptions;
@@ -84,14 +84,14 @@ pub fn report(arguments: &QualityArguments, known: &[Solver]) -> Result<(), Box<
                     },
                 );
                 let stretch = format!("{} %", target * 100.0);
-                table.add_row([n.to_string(), name_of(pins), stretch, solver.name.into(), ms, how]);
+                table.add_row([n.to_string(), name_of(&pins), stretch, solver.name.into(), ms, how]);
             }
         }
     }
     progress.finish_and_clear();
     println!("{table}");
     if let Some(path) = json {
-        serde_json::to_writer_pretty(File::create(path)?, &trials)?;
+        write_json(path, &trials)?;
     }
     if let Some(path) = plot {
         draw(path, &trials)?;
@@ -118,7 +118,7 @@ impl QualityArguments {
             trials.push(Trial {
                 solver: solver.name,
                 n: scene.n,
-                pins: name_of(pins),
+                pins: name_of(&pins),
                 rms,
                 ms,
                 substeps,
@@ -130,11 +130,6 @@ impl QualityArguments {
         }
         Ok(trials)
     }
-}
-
-/// As on the command line.
-fn name_of(pins: Pins) -> String {
-    pins.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// The cheapest choice of a solver that stretches by no more than `target`.

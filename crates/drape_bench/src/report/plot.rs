@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use crate::report::outcome::Outcome;
@@ -32,53 +33,99 @@ pub fn draw(path: &Path, outcomes: &[Outcome]) -> Result<(), String> {
 fn try_draw(path: &Path, outcomes: &[Outcome]) -> Result<(), Box<dyn std::error::Error>> {
     let root = SVGBackend::new(path, (960, 960)).into_drawing_area();
     root.fill(&WHITE)?;
-    let curves = curves(outcomes);
     for (area, panel) in root.split_evenly((PANELS.len(), 1)).iter().zip(&PANELS) {
-        let sizes = range(outcomes.iter().map(|outcome| f64::from(outcome.n)), 1.2);
-        let values = range(outcomes.iter().map(panel.value), 2.0);
-        let mut chart = ChartBuilder::on(area)
-            .caption(panel.caption, ("sans-serif", 18))
-            .margin(10)
-            .x_label_area_size(36)
-            .y_label_area_size(64)
-            .build_cartesian_2d(sizes.log_scale(), values.log_scale())?;
-        chart.configure_mesh().x_desc("size n").light_line_style(WHITE).draw()?;
-        for (index, (name, curve)) in curves.iter().enumerate() {
-            let colour = Palette99::pick(index).to_rgba();
-            let points = curve.iter().map(|outcome| (f64::from(outcome.n), (panel.value)(outcome)));
-            let points: Vec<_> = points.filter(|point| point.1 > 0.0 && point.1.is_finite()).collect();
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)).point_size(3))?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        let point = |outcome: &Outcome| {
+            let threads = if outcome.threads > 1 { format!(" x {}", outcome.threads) } else { String::new() };
+            let name = format!("{} {}{threads}", outcome.scene, outcome.solver);
+            (name, (f64::from(outcome.n), (panel.value)(outcome)))
+        };
+        Chart {
+            caption: panel.caption,
+            axes: ["size n", ""],
+            margins: [1.2, 2.0],
+            legend: SeriesLabelPosition::MiddleRight,
         }
-        chart
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
+        .draw(area, outcomes.iter().map(point))?;
     }
     root.present()?;
     Ok(())
 }
 
-/// The lines that belong to one curve, by name, in the order of the table.
-fn curves(outcomes: &[Outcome]) -> Vec<(String, Vec<&Outcome>)> {
-    let mut curves: Vec<(String, Vec<&Outcome>)> = Vec::new();
-    for outcome in outcomes {
-        let threads = if outcome.threads > 1 { format!(" x {}", outcome.threads) } else { String::new() };
-        let name = format!("{} {}{threads}", outcome.scene, outcome.solver);
+/// A chart whose axes are logarithmic.
+pub(super) struct Chart<'a> {
+    pub caption: &'a str,
+    /// Descriptions of both axes; none if empty.
+    pub axes: [&'a str; 2],
+    /// Factors by which the axes are wider than the points, at both ends.
+    pub margins: [f64; 2],
+    pub legend: SeriesLabelPosition,
+}
+
+impl Chart<'_> {
+    /// Draws points, each with the name of its curve. Those that a logarithm cannot show are left out.
+    pub fn draw(
+        self,
+        area: &DrawingArea<SVGBackend, Shift>,
+        points: impl Iterator<Item = (String, (f64, f64))>,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        let Self { caption, axes: [x_axis, y_axis], margins, legend } = self;
+        let curves = curves(points);
+        let all = || curves.iter().flat_map(|(_, points)| points);
+        let across = range(all().map(|point| point.0), margins[0]);
+        let up = range(all().map(|point| point.1), margins[1]);
+        let mut chart = ChartBuilder::on(area)
+            .caption(caption, ("sans-serif", 18))
+            .margin(10)
+            .x_label_area_size(36)
+            .y_label_area_size(64)
+            .build_cartesian_2d(across.log_scale(), up.log_scale())?;
+        let mut mesh = chart.configure_mesh();
+        mesh.x_desc(x_axis).light_line_style(WHITE);
+        if !y_axis.is_empty() {
+            mesh.y_desc(y_axis);
+        }
+        mesh.draw()?;
+        for (index, (name, points)) in curves.iter().enumerate() {
+            let colour = Palette99::pick(index).to_rgba();
+            let shown = points.iter().copied().filter(|&(x, y)| is_shown(x) && is_shown(y));
+            chart
+                .draw_series(LineSeries::new(shown, colour.stroke_width(2)).point_size(3))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        }
+        chart
+            .configure_series_labels()
+            .position(legend)
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+        Ok(())
+    }
+}
+
+/// A curve: its name and its points.
+type Curve = (String, Vec<(f64, f64)>);
+
+/// Puts points together that belong to one curve, in the order in which they come.
+fn curves(points: impl Iterator<Item = (String, (f64, f64))>) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for (name, point) in points {
         match curves.iter_mut().find(|curve| curve.0 == name) {
-            Some((_, curve)) => curve.push(outcome),
-            None => curves.push((name, vec![outcome])),
+            Some((_, curve)) => curve.push(point),
+            None => curves.push((name, vec![point])),
         }
     }
     curves
 }
 
+/// True if a logarithm can show it.
+fn is_shown(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
 /// From the least to the greatest of what a logarithm can show, wider by `margin` at both ends.
-pub(super) fn range(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
-    let shown = values.filter(|value| *value > 0.0 && value.is_finite());
+fn range(values: impl Iterator<Item = f64>, margin: f64) -> std::ops::Range<f64> {
+    let shown = values.filter(|&value| is_shown(value));
     let (least, greatest) =
         shown.fold((f64::MAX, 0.0), |(low, high), value| (f64::min(low, value), f64::max(high, value)));
     if greatest > 0.0 { least / margin..greatest * margin } else { 0.1..1.0 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 use thiserror::Error;
@@ -79,6 +80,11 @@ fn rows(mut writer: csv::Writer<impl io::Write>, outcomes: &[Outcome]) -> Result
         writer.serialize(outcome)?;
     }
     writer.flush()
+}
+
+/// The name of a value on the command line.
+pub fn name_of(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// Writes results as JSON.

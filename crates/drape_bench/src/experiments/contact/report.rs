@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 
 use crate::experiments::contact::scene::ContactScene;
-use crate::experiments::contact::trial::{Accuracy, Figures, Mode, Trial, name_of};
+use crate::experiments::contact::trial::{Accuracy, Figures, Mode, Trial};
 use crate::failure::Failure;
 use crate::report::progress;
-use crate::report::table::write_json;
+use crate::report::table::{name_of, write_json};
 
 /// Arguments of `contact`.
 #[derive(Args, Clone, Debug)]

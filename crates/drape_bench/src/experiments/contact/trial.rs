@@ -12,6 +12,7 @@ use crate::experiments::contact::setup::Setup;
 use crate::failure::Failure;
 use crate::measure::cpu_time::cpu_time;
 use crate::measure::median::in_ms;
+use crate::report::table::name_of;
 use crate::scenes::world::STEP;
 use crate::solvers::threads::{RayonPool, on_threads};
 
@@ -235,11 +236,6 @@ impl CpuClock {
     fn go_on(&mut self) {
         self.since = cpu_time();
     }
-}
-
-/// The name of a value on the command line.
-pub(super) fn name_of(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// Root mean square distance of two states in metres.

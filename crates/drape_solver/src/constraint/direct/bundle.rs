@@ -61,7 +61,7 @@ pub(super) fn threads(most: usize, cells: usize) -> usize {
 }
 
 /// The direction of the lines.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub(super) enum Direction {
     /// Bundle `k` is column `k` of all patches, which is in the lanes already.
     Columns,
@@ -186,84 +186,81 @@ impl SomeBundles<'_> {
         );
     }
 
-    /// Solves sixteen rows from row `first` on.
+    /// Solves sixteen rows from row `first` on, or those that are left.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
-        self.transpose_rows(simd, first);
-        let BundleSolve { grid, solved, .. } = self.solve;
-        let BundleScratch { chain, bends, position, inverse_mass } = &mut *self.scratch;
-        let position = CellColumn::new(position);
-        let chains = Chains { position, inverse_mass, count: grid.columns };
+        let Self { solve, position, bundles, scratch } = self;
+        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, solved, .. } = solve;
+        let count = LANES.min(grid.rows - first);
+        // The cells of this thread begin with its first bundle.
+        let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
+        transpose_rows(simd, width, (cells, &inverse_mass[first * width..]), scratch);
+        let BundleScratch { chain, bends, position, inverse_mass } = &mut **scratch;
+        let chains = Chains { position: CellColumn::new(position), inverse_mass, count: grid.columns };
         let is_edge = |lane| is_at_edge(first + lane, grid.rows);
         solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
-        self.transpose_back(simd, first);
+        transpose_back(simd, width, cells, position);
     }
+}
 
-    /// Transposes sixteen rows from row `first` on into chains side by side. Spare lanes repeat the last row.
-    ///
-    /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
-    fn transpose_rows<S: Simd>(&mut self, simd: S, first: usize) {
-        let Self { solve: BundleSolve { grid, patches, inverse_mass, .. }, position, bundles, scratch } =
-            self;
-        let BundleScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
-        let (width, last) = (patches.width, grid.rows - 1);
-        // The cells of this thread begin further down.
-        let above = bundles.start * LANES * width;
-        let position = position.row(0);
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for column in 0..width {
-                    let cell = |row: usize| (first + row).min(last) * width + column;
-                    for axis in 0..3 {
-                        transpose(
-                            #[inline(always)]
-                            |row| load(simd, position[cell(row) - above].axes()[axis]),
-                            #[inline(always)]
-                            |patch, of_rows| {
-                                *transposed[patch * width + column].axes_mut()[axis] = of_rows.to_array();
-                            },
-                        );
-                    }
+/// Transposes up to sixteen rows, of `width` cells each, into chains side by side. Spare lanes repeat the last row.
+///
+/// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
+fn transpose_rows<S: Simd>(
+    simd: S,
+    width: usize,
+    (cells, masses): (&[Cell], &[[f32; LANES]]),
+    scratch: &mut BundleScratch,
+) {
+    let BundleScratch { position, inverse_mass, .. } = scratch;
+    let last = cells.len() / width - 1;
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for column in 0..width {
+                let cell = |row: usize| row.min(last) * width + column;
+                for axis in 0..3 {
                     transpose(
                         #[inline(always)]
-                        |row| load(simd, &inverse_mass[cell(row)]),
+                        |row| load(simd, cells[cell(row)].axes()[axis]),
                         #[inline(always)]
-                        |patch, of_rows| transposed_mass[patch * width + column] = of_rows.to_array(),
+                        |patch, of_rows| {
+                            *position[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                        },
                     );
                 }
-            },
-        );
-    }
+                transpose(
+                    #[inline(always)]
+                    |row| load(simd, &masses[cell(row)]),
+                    #[inline(always)]
+                    |patch, of_rows| inverse_mass[patch * width + column] = of_rows.to_array(),
+                );
+            }
+        },
+    );
+}
 
-    /// The inverse of [`transpose_rows`](Self::transpose_rows).
-    fn transpose_back<S: Simd>(&mut self, simd: S, first: usize) {
-        let Self { solve: BundleSolve { grid, patches, .. }, position, bundles, scratch } = self;
-        let transposed = &scratch.position;
-        let (width, rows) = (patches.width, grid.rows);
-        let above = bundles.start * LANES * width;
-        let position = position.row(0);
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for column in 0..width {
-                    for axis in 0..3 {
-                        transpose(
-                            #[inline(always)]
-                            |patch| load(simd, transposed[patch * width + column].axes()[axis]),
-                            #[inline(always)]
-                            |row, of_patches| {
-                                if first + row < rows {
-                                    let cell = (first + row) * width + column - above;
-                                    *position[cell].axes_mut()[axis] = of_patches.to_array();
-                                }
-                            },
-                        );
-                    }
+/// Transposes the chains in `position` back into `cells`: the inverse of [`transpose_rows`].
+fn transpose_back<S: Simd>(simd: S, width: usize, cells: &mut [Cell], position: &[Cell]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for column in 0..width {
+                for axis in 0..3 {
+                    transpose(
+                        #[inline(always)]
+                        |patch| load(simd, position[patch * width + column].axes()[axis]),
+                        #[inline(always)]
+                        |row, of_patches| {
+                            if let Some(cell) = cells.get_mut(row * width + column) {
+                                *cell.axes_mut()[axis] = of_patches.to_array();
+                            }
+                        },
+                    );
                 }
-            },
-        );
-    }
+            }
+        },
+    );
 }
 
 /// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth.

@@ -140,57 +140,50 @@ pub(crate) fn solve(
                 workers,
             );
         } else {
-            let solve = LineSolve { grid, position, inverse_mass, scratch };
-            isa.run(SolveScattered { solve, lines, solved, projection });
+            isa.run(ScatteredLines { lines, solved, projection, grid, position, inverse_mass, scratch });
         }
     }
 }
 
-struct SolveScattered<'a> {
-    solve: LineSolve<'a>,
+/// Lines that run through some of the lanes, and their particles.
+struct ScatteredLines<'a> {
     lines: Lines,
     solved: Solved,
     projection: StickProjection,
-}
-
-impl Kernel for SolveScattered<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { mut solve, lines, solved, projection } = self;
-        match projection {
-            StickProjection::Exact => solve.solve(simd, lines, solved, Exact),
-            StickProjection::SquareRootFree => solve.solve(simd, lines, solved, SquareRootFree),
-        }
-    }
-}
-
-/// The particles whose lines are to be solved, where they run through some of the lanes.
-struct LineSolve<'a> {
     grid: RuledGrid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
     scratch: &'a mut LineScratch,
 }
 
-impl LineSolve<'_> {
-    /// Solves all `lines`.
+impl Kernel for ScatteredLines<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn solve<S: Simd>(&mut self, simd: S, lines: Lines, solved: Solved, projection: impl Projection) {
-        match (lines.storage(self.grid), solved) {
-            (LineStorage::Lone, Solved::Sticks(stick)) => self.lone(lines, stick, projection),
+    fn run<S: Simd>(mut self, simd: S) {
+        match self.projection {
+            StickProjection::Exact => self.solve(simd, Exact),
+            StickProjection::SquareRootFree => self.solve(simd, SquareRootFree),
+        }
+    }
+}
+
+impl ScatteredLines<'_> {
+    #[inline(always)]
+    fn solve<S: Simd>(&mut self, simd: S, projection: impl Projection) {
+        match (self.lines.storage(self.grid), self.solved) {
+            (LineStorage::Lone, Solved::Sticks(stick)) => self.lone(stick, projection),
             // Lone lines that bend are gathered one by one.
-            (LineStorage::Lone, _) => self.gathered(simd, lines, 1, solved, projection),
-            _ => self.gathered(simd, lines, LANES, solved, projection),
+            (LineStorage::Lone, _) => self.gathered(simd, 1, projection),
+            _ => self.gathered(simd, LANES, projection),
         }
     }
 
     #[inline(always)]
-    fn lone(&mut self, lines: Lines, stick: ElasticStick, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
+    fn lone(&mut self, stick: ElasticStick, projection: impl Projection) {
+        let &mut Self { lines, grid, ref mut position, inverse_mass, ref mut scratch, .. } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
-        let (number, count) = lines.size(*grid);
+        let (number, count) = lines.size(grid);
         for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
             let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
             let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
@@ -199,16 +192,9 @@ impl LineSolve<'_> {
     }
 
     #[inline(always)]
-    fn gathered<S: Simd>(
-        &mut self,
-        simd: S,
-        lines: Lines,
-        side_by_side: usize,
-        solved: Solved,
-        projection: impl Projection,
-    ) {
-        let Self { grid, position, inverse_mass, scratch, .. } = self;
-        let (number, count) = lines.size(*grid);
+    fn gathered<S: Simd>(&mut self, simd: S, side_by_side: usize, projection: impl Projection) {
+        let &mut Self { lines, solved, grid, ref mut position, inverse_mass, ref mut scratch, .. } = self;
+        let (number, count) = lines.size(grid);
         let LineScratch { bundles, slots, .. } = &mut **scratch;
         let Some(BundleScratch { chain, bends, position: gathered, inverse_mass: gathered_mass }) =
             bundles.first_mut()
