@@ -31,6 +31,7 @@ macro_rules! features {
 
 features! {
     balloon: "balloon.rs",
+    bones: "bones.rs",
     bridge: "bridge.rs",
     bsn: "bsn.rs",
     cape: "cape.rs",

@@ -12,6 +12,7 @@
 //! tools/             picking, gestures, spatial queries, gizmos, diagnostics
 //! tear/              parts bodies, and makes entities of the pieces
 //! render/            meshes that show bodies, and bodies made from meshes
+//! bones/             joints of skinned meshes that are solved as ropes and cloth
 //! transform/         interpolation between fixed steps and between frames
 //! contact/           messages about contacts and hits, reactions of obstacles
 //! sleep/             sleeping, waking, culling, reach
@@ -37,6 +38,7 @@
 pub mod attach;
 pub mod ball;
 pub mod body;
+pub mod bones;
 pub mod build;
 pub mod change_detection;
 pub mod clock;

@@ -22,6 +22,7 @@ use crate::attach::plugin::{
 };
 use crate::ball::plugin::{BallPlugin, CannonPlugin};
 use crate::body::plugin::{BodyPlugin, PressurePlugin};
+use crate::bones::plugin::BonePlugin;
 use crate::build::plugin::{DescriptionPlugin, RigidTetrahedronPlugin};
 use crate::contact::plugin::{ContactEventsPlugin, HitPlugin, ReactionPlugin};
 use crate::detail::plugin::LevelOfDetailPlugin;
@@ -30,7 +31,7 @@ use crate::rig::plugin::RigPlugin;
 use crate::sleep::plugin::SleepPlugin;
 use crate::step::plugin::StepPlugin;
 use crate::tear::plugin::TearPlugin;
-use crate::transform::interpolation::InterpolationPlugin;
+use crate::transform::interpolation::{InterpolationPlugin, ShowsBetweenSteps};
 use crate::transform::moved_by_frame::MovedByFramePlugin;
 use crate::transform::plugin::PropagationPlugin;
 
@@ -74,6 +75,8 @@ impl PluginGroup for DrapePlugins {
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::render::plugin::MeshPlugin::new(self.schedule));
+        #[cfg(feature = "gltf")]
+        let plugins = plugins.add(crate::bones::vrm::VrmPlugin);
         #[cfg(feature = "gpu")]
         let plugins = plugins.add(crate::gpu::GpuPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
@@ -94,9 +97,10 @@ impl Plugin for SolverPlugin {
     /// Adds the features, roughly in the order of a step. [`schedule`](crate::schedule) orders their systems.
     fn build(&self, app: &mut App) {
         let schedule = self.schedule;
-        app.add_plugins((BodyPlugin, StepPlugin { schedule }, PropagationPlugin))
+        app.insert_resource(ShowsBetweenSteps::of(schedule))
+            .add_plugins((BodyPlugin, StepPlugin { schedule }, PropagationPlugin))
             .add_plugins((CannonPlugin { schedule }, DescriptionPlugin, RigidTetrahedronPlugin, BallPlugin))
-            .add_plugins((RigPlugin, TearPlugin { schedule }, LevelOfDetailPlugin, WorldMotionPlugin))
+            .add_plugins((RigPlugin, TearPlugin { schedule }, LevelOfDetailPlugin, WorldMotionPlugin, BonePlugin))
             .add_plugins((WindPlugin, ObstaclePlugin, DynamicObstaclePlugin))
             .add_plugins((AttachmentPlugin, WinchPlugin, GrabPlugin, PressurePlugin, SleepPlugin))
             .add_plugins((

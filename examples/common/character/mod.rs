@@ -2,11 +2,12 @@
 //!
 //! Imports no other folder.
 
+pub mod bone_meshes;
 mod cape_mesh;
 pub mod gltf_file;
 mod skeleton;
 mod walk_cycle;
 
 pub use cape_mesh::{CAPE, FULL_DISTANCE, cape, cape_mesh};
-pub use skeleton::{BONES, capsule, inverse_bind_poses};
-pub use walk_cycle::{Character, WALK, spawn};
+pub use skeleton::{ARMS, BONES, HEAD, HIPS, SHINS, THIGHS, capsule, inverse_bind_poses};
+pub use walk_cycle::{Character, WALK, spawn, spawn_figure};

@@ -16,12 +16,18 @@ pub const BONES: [(&str, Option<usize>, [f32; 3], [f32; 2], [f32; 3]); 10] = [
     ("right shin", Some(7), [0.0, -0.45, 0.0], [0.06, 0.35], [0.0, -0.2, 0.0]),
 ];
 
-pub(super) const HIPS: usize = 0;
+/// Joints by their numbers in [`BONES`].
+pub const HIPS: usize = 0;
 pub(super) const SPINE: usize = 1;
 pub(super) const CHEST: usize = 2;
-pub(super) const ARMS: [usize; 2] = [4, 5];
-pub(super) const THIGHS: [usize; 2] = [6, 7];
-pub(super) const SHINS: [usize; 2] = [8, 9];
+/// The head.
+pub const HEAD: usize = 3;
+/// Left and right.
+pub const ARMS: [usize; 2] = [4, 5];
+/// Left and right.
+pub const THIGHS: [usize; 2] = [6, 7];
+/// Left and right.
+pub const SHINS: [usize; 2] = [8, 9];
 
 /// The place of a joint in the mesh's coordinates, in metres.
 pub fn bind_place(joint: usize) -> Vec3 {

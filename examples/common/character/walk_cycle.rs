@@ -22,7 +22,7 @@ pub struct Character {
     pub joints: Vec<Entity>,
     /// The capsule of each.
     pub capsules: Vec<Entity>,
-    /// The cape.
+    /// The cape; a placeholder if it has none.
     pub cape: Entity,
     /// Position in metres.
     pub place: Vec3,
@@ -34,11 +34,19 @@ pub struct Character {
     phase: f32,
 }
 
-/// Spawns a character with a cape, which has `bundle` besides; its root is seen on its way between frames.
+/// Spawns a character with a cape, which has `bundle` besides.
 pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
+    let mut character = spawn_figure(world);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
     let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
     let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
+    let skin = SkinnedMesh { inverse_bindposes, joints: character.joints.clone() };
+    character.cape = world.spawn((Mesh3d(mesh), skin, cape(), ChildOf(character.root), bundle)).id();
+    character
+}
+
+/// Spawns a character without a cape; its root is seen on its way between frames.
+pub fn spawn_figure(world: &mut World) -> Character {
     let root = world.spawn((Transform::default(), Visibility::default(), MovedByFrame)).id();
     let mut joints = Vec::new();
     let mut capsules = Vec::new();
@@ -52,9 +60,7 @@ pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
         capsules
             .push(world.spawn((obstacle, Transform::from_translation(middle.into()), ChildOf(joint))).id());
     }
-    let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
-    let cape = world.spawn((Mesh3d(mesh), skin, cape(), ChildOf(root), bundle)).id();
-    Character { root, joints, capsules, cape, ..Character::default() }
+    Character { root, joints, capsules, ..Character::default() }
 }
 
 impl Default for Character {
@@ -150,9 +156,14 @@ impl Character {
     /// Shows the pose.
     pub fn write(&self, world: &mut World) {
         let (root, joints) = self.pose();
-        for (entity, pose) in self.joints.iter().zip(joints).chain([(&self.root, root)]) {
+        self.show(world, root, &joints);
+    }
+
+    /// Shows a pose of the root and of all joints.
+    pub fn show(&self, world: &mut World, root: Transform, joints: &[Transform]) {
+        for (entity, pose) in self.joints.iter().zip(joints).chain([(&self.root, &root)]) {
             if let Some(mut transform) = world.get_mut::<Transform>(*entity) {
-                *transform = pose;
+                *transform = *pose;
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use core::f32::consts::FRAC_PI_2;
 
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
@@ -46,25 +47,27 @@ type Bare = (
         With<SoftBall>,
         With<RopeMesh>,
         With<DrivenMesh>,
+        // Hair and skirts of bones.
+        (With<SkinnedMesh>, With<Paint>),
         // Those without paint drive others.
         (With<SoftBodyMesh>, With<Paint>),
     )>,
 );
 
 fn add_body_materials(
-    bodies: Query<(Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>), Bare>,
+    bodies: Query<(Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>, Has<SkinnedMesh>), Bare>,
     shared: Res<SharedMaterials>,
     surfaces: Res<Surfaces>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    for (entity, paint, rope, is_cloth, is_cloth_mesh) in &bodies {
+    for (entity, paint, rope, is_cloth, is_cloth_mesh, is_skinned) in &bodies {
         let painted = paint.map(|paint| {
             let colour = paint.color();
             materials.add(match rope {
                 Some((rope, tube)) => surfaces.rope(colour, rope, tube),
                 None if is_cloth => surfaces.cloth(colour),
-                None if is_cloth_mesh => surfaces.cloth_mesh(colour),
+                None if is_cloth_mesh || is_skinned => surfaces.cloth_mesh(colour),
                 None => jelly(colour),
             })
         });

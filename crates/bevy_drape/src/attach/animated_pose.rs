@@ -4,9 +4,7 @@ use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use drape_solver::Placement;
 
-#[cfg(feature = "mesh")]
-use crate::rigid_motion::between;
-use crate::rigid_motion::placement;
+use crate::rigid_motion::{between, placement};
 
 /// The pose that an animation gives to some particles of a body. Each particle follows a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
@@ -79,7 +77,6 @@ impl AnimatedPose {
     }
 
     /// Records the main joint after a step.
-    #[cfg(feature = "mesh")]
     pub fn record(&mut self) {
         let [_, before] = self.shown;
         let now = self.last.get(self.main).copied();
@@ -88,7 +85,6 @@ impl AnimatedPose {
 
     /// Returns the motion from the main joint as shown at `fraction` of the last step to the joint as it is now. Steps
     /// see an older pose than the one that the rest of the character is drawn in. None if both are the same.
-    #[cfg(feature = "mesh")]
     pub fn ahead<'a>(
         &self,
         fraction: f32,

@@ -17,8 +17,7 @@ use crate::gpu::components::{GpuBody, GpuVertices};
 use crate::render::any_mesh::{AnyMesh, handle_of};
 use crate::render::rope_mesh::RopeSurface;
 use crate::render::surface::{EntitySpace, Surface};
-use crate::render::write_surfaces::InterpolateSurfaces;
-use crate::transform::interpolation::step_fraction;
+use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 
 /// A body, and the mesh that shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +119,7 @@ pub(crate) fn list_shown(
     changed: Query<Entity, (With<GpuBody>, ShownChanged, Allow<Disabled>)>,
     mut lost: ShownRemoved,
     bodies: Res<GpuBodies>,
-    interpolate: Res<InterpolateSurfaces>,
+    between: Res<ShowsBetweenSteps>,
     time: Option<Res<Time<Fixed>>>,
     mut shown: ResMut<ShownBodies>,
     mut places: Local<EntityHashMap<usize>>,
@@ -147,6 +146,6 @@ pub(crate) fn list_shown(
     }
     *step = bodies.world().and_then(|world| Some((world.gpu().clone(), world.last_step().ok()?)));
     let is_resting = bodies.world().is_none_or(GpuWorld::is_resting);
-    let is_between = interpolate.0 && bodies.is_moving && !is_resting;
+    let is_between = between.0 && bodies.is_moving && !is_resting;
     *fraction = if is_between { step_fraction(time.as_deref()) } else { 1.0 };
 }

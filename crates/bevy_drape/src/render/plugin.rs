@@ -39,7 +39,7 @@ use crate::render::from_mesh::spawn_colliders::{remove_body_colliders, spawn_bod
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
 use crate::render::torn_mesh::tear_meshes;
 use crate::render::visibility::hide_culled;
-use crate::render::write_surfaces::{InterpolateSurfaces, record_surfaces, write_surfaces};
+use crate::render::write_surfaces::{record_surfaces, write_surfaces};
 use crate::rig::compile::compile_rigs;
 use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
 use crate::step::run::run_drape_schedule;
@@ -64,13 +64,6 @@ impl MeshPlugin {
 
 impl Plugin for MeshPlugin {
     fn build(&self, app: &mut App) {
-        let fixed: [Interned<dyn ScheduleLabel>; 5] = [
-            FixedFirst.intern(),
-            FixedPreUpdate.intern(),
-            FixedUpdate.intern(),
-            FixedPostUpdate.intern(),
-            FixedLast.intern(),
-        ];
         app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh, ObstacleHierarchy)>()
             .register_type::<(BodyColliders, BodyCollider, BodyCollidersReport)>()
             .add_observer(remove_described_body::<ClothMesh>)
@@ -85,7 +78,6 @@ impl Plugin for MeshPlugin {
             .add_observer(forget_removed::<ClothMesh>)
             .add_observer(forget_removed::<SoftBodyMesh>)
             .add_observer(forget_removed::<DrivenMesh>);
-        app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             self.schedule,
             (

@@ -11,11 +11,7 @@ use crate::render::carriers::{Carried, Carriers, DrawnSurface};
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::rope_mesh::{RopeSurface, write_ropes};
 use crate::render::surface::{EntitySpace, Surface};
-use crate::transform::interpolation::step_fraction;
-
-/// True if surfaces are interpolated between two steps.
-#[derive(Resource, Clone, Copy, Debug)]
-pub(crate) struct InterpolateSurfaces(pub bool);
+use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 
 /// Records each cloth after a step. Cloths that did not move are not interpolated.
 pub(crate) fn record_surfaces(
@@ -44,11 +40,11 @@ pub(crate) fn write_surfaces(
     mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
     places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
-    interpolate: Res<InterpolateSurfaces>,
+    between: Res<ShowsBetweenSteps>,
     time: Option<Res<Time<Fixed>>>,
     (mut near, mut carried): (Local<Vec<u32>>, Local<Carried>),
 ) {
-    let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    let fraction = if between.0 { step_fraction(time.as_deref()) } else { 1.0 };
     write_ropes(&mut ropes, &mut meshes, fraction);
     for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
         let Some(mesh) = handle_of(mesh) else { continue };

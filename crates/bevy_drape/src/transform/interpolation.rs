@@ -10,6 +10,8 @@
 //! The shown state is up to one step old, but never extrapolated.
 
 use bevy::app::RunFixedMainLoopSystems;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 
 use crate::rigid_motion::between;
@@ -41,6 +43,24 @@ impl Plugin for InterpolationPlugin {
                 RunFixedMainLoop,
                 show_transforms.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
             );
+    }
+}
+
+/// True if steps are taken in the fixed loop, so that bodies are shown between the last two.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct ShowsBetweenSteps(pub bool);
+
+impl ShowsBetweenSteps {
+    /// For steps that are taken in `schedule`.
+    pub fn of(schedule: Interned<dyn ScheduleLabel>) -> Self {
+        let fixed: [Interned<dyn ScheduleLabel>; 5] = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        Self(fixed.contains(&schedule))
     }
 }
 

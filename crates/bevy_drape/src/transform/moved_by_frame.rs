@@ -32,6 +32,13 @@ use crate::transform::interpolation::Interpolated;
 #[require(Transform, FramePoses)]
 pub struct MovedByFrame;
 
+/// Marks an entity and all that it hangs on.
+pub(crate) fn move_by_frames(commands: &mut Commands, entity: Entity, parents: &Query<&ChildOf>) {
+    for entity in core::iter::once(entity).chain(parents.iter_ancestors(entity)) {
+        commands.entity(entity).insert_if_new(MovedByFrame);
+    }
+}
+
 /// Transforms of the last two frames; none before the first.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct FramePoses {

@@ -1,0 +1,126 @@
+//! Builds cloths of bones from their descriptions.
+
+use core::iter::successors;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
+use crate::body::body_state::{BodyState, CreationOrder};
+use crate::bones::bone_cloth::BoneCloth;
+use crate::bones::chain::{BoneChain, PosedChains};
+use crate::bones::show::ShownBones;
+use crate::build::description::{insert_body, remove_body};
+use crate::change_detection::collect_changed;
+use crate::environment::obstacle::Obstacle;
+use crate::refusal::{Cause, Refusals};
+use crate::transform::moved_by_frame::move_by_frames;
+
+/// Builds the bodies of cloths of bones that were inserted or changed since the last step.
+pub(crate) fn build_bone_cloths(
+    mut commands: Commands,
+    described: Query<(Entity, Ref<BoneCloth>)>,
+    cloths: Query<(&BoneCloth, &GlobalTransform)>,
+    children: Query<&Children>,
+    parents: Query<&ChildOf>,
+    places: Query<&GlobalTransform, Without<Obstacle>>,
+    mut order: ResMut<CreationOrder>,
+    mut refusals: ResMut<Refusals>,
+    mut to_build: Local<Vec<Entity>>,
+) {
+    to_build.clear();
+    collect_changed(&described, &mut to_build);
+    for entity in to_build.drain(..) {
+        let Ok((cloth, transform)) = cloths.get(entity) else { continue };
+        let built = pose(cloth, &children, &places).and_then(|posed| {
+            let parts = posed.build(cloth)?;
+            let main = parents.get(cloth.roots[0]).map(ChildOf::parent).ok();
+            Ok((parts, animated_pose(&posed.chains, main, &places)?, posed.chains))
+        });
+        match built {
+            Ok((parts, pose, chains)) => {
+                refusals.forget(entity);
+                pose.joints.iter().for_each(|&joint| move_by_frames(&mut commands, joint, &parents));
+                insert_body(&mut commands, entity, order.next(), transform, parts, None);
+                let mut body = commands.entity(entity);
+                body.insert((pose, ShownBones::new(chains)));
+                // Pins follow the joints instead of the entity.
+                body.entry::<BodyState>().and_modify(|mut state| state.pins.clear());
+            }
+            Err(reason) => {
+                refusals.entity(entity, "BoneCloth", reason);
+                remove_body(&mut commands, entity);
+                commands.entity(entity).try_remove::<(AnimatedPose, ShownBones)>();
+            }
+        }
+    }
+}
+
+/// Follows the chains of `cloth` down, and notes where they stand.
+fn pose(
+    cloth: &BoneCloth,
+    children: &Query<&Children>,
+    places: &Query<&GlobalTransform, Without<Obstacle>>,
+) -> Result<PosedChains, Cause> {
+    if cloth.roots.is_empty() {
+        return Err("`roots` names no joint".into());
+    }
+    let next = |&joint: &Entity| children.get(joint).ok()?.iter().find(|&child| places.contains(child));
+    let mut posed = PosedChains::default();
+    for &root in &cloth.roots {
+        if !places.contains(root) {
+            return Err(format!("the joint {root} in `roots` does not exist, or has no Transform").into());
+        }
+        let joints: Vec<Entity> = successors(Some(root), next).collect();
+        if posed.chains.iter().flat_map(|chain| &chain.joints).any(|joint| joints.contains(joint)) {
+            return Err(format!("the joint {root} in `roots` is in another chain already").into());
+        }
+        let stand: Vec<GlobalTransform> = joints.iter().filter_map(|&joint| places.get(joint).ok().copied()).collect();
+        if let Some(place) = stand.iter().position(|place| !place.affine().is_finite()) {
+            return Err(format!("the Transform of joint {} must be finite", joints[place]).into());
+        }
+        posed.push(joints, &stand, cloth.tip)?;
+    }
+    Ok(posed)
+}
+
+/// The pose that the joints give to the particles: a particle at each joint, and the tips. The character's motion is that of `main`,
+/// on which the chains hang.
+fn animated_pose(
+    chains: &[BoneChain],
+    main: Option<Entity>,
+    places: &Query<&GlobalTransform, Without<Obstacle>>,
+) -> Result<AnimatedPose, Cause> {
+    let all = chains.iter().flat_map(|chain| &chain.joints).copied();
+    let joints: Vec<Entity> = main.filter(|&main| places.contains(main)).into_iter().chain(all).collect();
+    let mut posed =
+        AnimatedPose { inverse_bind_poses: vec![Affine3A::IDENTITY; joints.len()], ..AnimatedPose::default() };
+    let mut joint = (joints.len() - chains.iter().map(|chain| chain.joints.len()).sum::<usize>()) as u32;
+    for chain in chains {
+        let last = chain.joints.len() - 1;
+        let ends = (0..=last).map(|place| (place, Vec3::ZERO)).chain([(last, chain.tip)]);
+        for ((place, local), particle) in ends.zip(chain.first as u32..) {
+            let number = joint + place as u32;
+            let number = u16::try_from(number).map_err(|_| "there are more than 65 535 joints")?;
+            posed.particles.push(PosedParticle {
+                particle,
+                local,
+                normal: Vec3::ZERO,
+                joints: [number, 0, 0, 0],
+                weights: [1.0, 0.0, 0.0, 0.0],
+            });
+        }
+        joint += chain.joints.len() as u32;
+    }
+    posed.joints = joints;
+    let mut now = Vec::new();
+    posed.matrices(|joint| places.get(joint).ok(), &mut now).map_err(|joint| format!("joint {joint} is gone"))?;
+    posed.last = now;
+    Ok(posed)
+}
+
+/// Removes the body from an entity that loses its [`BoneCloth`].
+pub(crate) fn remove_bone_cloth(removed: On<Remove<BoneCloth>>, mut commands: Commands) {
+    remove_body(&mut commands, removed.entity);
+    commands.entity(removed.entity).try_remove::<(AnimatedPose, ShownBones)>();
+}

@@ -1,0 +1,230 @@
+//! Spring bones beside the equations of their specification, `VRMC_springBone` 1.0, written down once more in doubles.
+
+use bevy::math::{DAffine3, DQuat, DVec3};
+use bevy::prelude::*;
+use bevy_drape::bones::{SpringBones, SpringCollider, SpringJoint};
+use bevy_drape::prelude::*;
+
+use crate::common::{STEP, app_in, step};
+
+/// The place of the head at the beginning of a frame: it runs, turns and nods.
+fn head_at(frame: usize) -> Transform {
+    let t = frame as f32 * STEP;
+    Transform::from_xyz(2.0 * t, 1.5 + 0.1 * (6.0 * t).sin(), 0.0)
+        .with_rotation(Quat::from_euler(EulerRot::YXZ, 2.0 * t.sin(), 0.4 * (9.0 * t).sin(), 0.0))
+}
+
+/// The transform of each joint on the one above it at rest. The last is the end of the bone before it.
+fn local(index: usize) -> Transform {
+    let place = if index == 0 { Vec3::new(0.0, 0.1, 0.1) } else { Vec3::new(0.01, 0.12, -0.02) };
+    Transform::from_translation(place).with_rotation(Quat::from_rotation_x(if index == 0 { 2.2 } else { 0.15 }))
+}
+
+/// The numbers of each joint.
+fn numbers(index: usize, joint: Entity) -> SpringJoint {
+    SpringJoint {
+        hit_radius: 0.02,
+        stiffness: 1.2 - 0.2 * index as f32,
+        gravity_power: 0.8,
+        gravity_dir: Vec3::new(0.1, -1.0, 0.0),
+        drag_force: 0.2 + 0.05 * index as f32,
+        ..SpringJoint::new(joint)
+    }
+}
+
+const JOINTS: usize = 5;
+/// A ball and a capsule on the head: place, tail on the capsule's own place, radius.
+const COLLIDERS: [(Vec3, Vec3, f32); 2] =
+    [(Vec3::new(0.0, -0.1, 0.22), Vec3::ZERO, 0.12), (Vec3::new(-0.3, -0.35, 0.1), Vec3::new(0.6, 0.0, 0.05), 0.08)];
+
+/// A head that moves by itself, and a chain of joints on it with two colliders beside.
+struct Avatar {
+    app: App,
+    joints: Vec<Entity>,
+    springs: Entity,
+}
+
+#[derive(Resource)]
+struct Head {
+    entity: Entity,
+    frame: usize,
+}
+
+fn move_head(mut head: ResMut<Head>, mut transforms: Query<&mut Transform>) {
+    head.frame += 1;
+    *transforms.get_mut(head.entity).expect("a head") = head_at(head.frame);
+}
+
+fn avatar(has_center: bool, has_colliders: bool) -> Avatar {
+    // Joints show the last step where steps are taken once a frame.
+    let mut app = app_in(Update);
+    app.add_plugins(TransformPlugin).add_systems(PreUpdate, move_head);
+    let head = app.world_mut().spawn(head_at(0)).id();
+    app.insert_resource(Head { entity: head, frame: 0 });
+    let mut joints = vec![];
+    for index in 0..JOINTS {
+        let parent = joints.last().copied().unwrap_or(head);
+        joints.push(app.world_mut().spawn((local(index), ChildOf(parent))).id());
+    }
+    let colliders = COLLIDERS.map(|(place, tail, radius)| {
+        let collider = SpringCollider { radius, tail };
+        app.world_mut().spawn((collider, Transform::from_translation(place), ChildOf(head))).id()
+    });
+    let springs = SpringBones {
+        joints: joints.iter().enumerate().map(|(index, &joint)| numbers(index, joint)).collect(),
+        colliders: if has_colliders { colliders.to_vec() } else { Vec::new() },
+        center: has_center.then_some(head),
+    };
+    let springs = app.world_mut().spawn(springs).id();
+    Avatar { app, joints, springs }
+}
+
+/// One joint of the specification's state.
+struct State {
+    previous: DVec3,
+    current: DVec3,
+    axis: DVec3,
+    length: f64,
+    matrix: DAffine3,
+    rotation: DQuat,
+}
+
+fn affine(transform: Transform) -> DAffine3 {
+    DAffine3::from_rotation_translation(transform.rotation.as_dquat().normalize(), transform.translation.as_dvec3())
+}
+
+/// The specification's states in the first frame.
+fn initialize(center: &DAffine3, head: DAffine3) -> Vec<State> {
+    let mut world = head;
+    (0..JOINTS - 1)
+        .map(|index| {
+            let matrix = affine(local(index));
+            world *= matrix;
+            let end = local(index + 1).translation.as_dvec3();
+            let tail = center.inverse().transform_point3(world.transform_point3(end));
+            let rotation = local(index).rotation.as_dquat().normalize();
+            let (axis, length) = (end.normalize(), end.length());
+            State { previous: tail, current: tail, axis, length, matrix, rotation }
+        })
+        .collect()
+}
+
+/// The specification's update of a frame. Returns the world matrices of the joints.
+fn update(states: &mut [State], center: &DAffine3, head: DAffine3, has_colliders: bool) -> Vec<DAffine3> {
+    let mut parent = head;
+    let mut all = vec![];
+    for (index, state) in states.iter_mut().enumerate() {
+        let numbers = numbers(index, Entity::PLACEHOLDER);
+        let position = (parent * state.matrix).transform_point3(DVec3::ZERO);
+        let (_, parent_rotation, _) = parent.to_scale_rotation_translation();
+        let lost = f64::from(numbers.drag_force);
+        let inertia = center.transform_vector3(state.current - state.previous) * (1.0 - lost);
+        let dt = 1.0 / 60.0;
+        let stiffness = parent_rotation * state.rotation * state.axis * (dt * f64::from(numbers.stiffness));
+        let external = numbers.gravity_dir.as_dvec3() * (dt * f64::from(numbers.gravity_power));
+        let mut next = center.transform_point3(state.current) + inertia + stiffness + external;
+        next = position + (next - position).normalize() * state.length;
+        for (place, tail, radius) in COLLIDERS.into_iter().filter(|_| has_colliders) {
+            let start = head.transform_point3(place.as_dvec3());
+            let end = head.transform_point3((place + tail).as_dvec3());
+            let (axis, mut delta) = (end - start, next - start);
+            let along = delta.dot(axis);
+            if along > axis.length_squared() {
+                delta -= axis;
+            } else if along > 0.0 {
+                delta -= axis * (along / axis.length_squared());
+            }
+            let distance = delta.length() - f64::from(radius) - f64::from(numbers.hit_radius);
+            if distance < 0.0 {
+                next -= delta.normalize() * distance;
+                next = position + (next - position).normalize() * state.length;
+            }
+        }
+        state.previous = state.current;
+        state.current = center.inverse().transform_point3(next);
+        let to = (parent * state.matrix).inverse().transform_point3(next).normalize();
+        let rotation = state.rotation * DQuat::from_rotation_arc(state.axis, to);
+        parent *= DAffine3::from_rotation_translation(rotation, state.matrix.translation.into());
+        all.push(parent);
+    }
+    all
+}
+
+#[test]
+fn joints_move_as_the_specification_says_step_by_step() {
+    for (has_center, has_colliders) in [(false, false), (true, false), (false, true), (true, true)] {
+        let Avatar { mut app, joints, .. } = avatar(has_center, has_colliders);
+        let center = |frame: usize| if has_center { affine(head_at(frame)) } else { DAffine3::IDENTITY };
+        let mut states = initialize(&center(1), affine(head_at(1)));
+        let mut swing: f64 = 0.0;
+        for frame in 1..=400 {
+            step(&mut app, 1);
+            let places = update(&mut states, &center(frame), affine(head_at(frame)), has_colliders);
+            for (&joint, wanted) in joints.iter().zip(&places) {
+                let place = app.world().get::<GlobalTransform>(joint).expect("a place");
+                let (_, rotation, translation) = place.to_scale_rotation_translation();
+                let (_, turned, moved) = wanted.to_scale_rotation_translation();
+                assert!(translation.as_dvec3().distance(moved) < 2e-4, "frame {frame}: {translation} {moved}");
+                assert!(rotation.as_dquat().angle_between(turned) < 2e-3, "{has_center} {has_colliders} frame {frame}, {joint}: {rotation} {turned}");
+            }
+            let rest = states[0].rotation * states[0].axis;
+            let bone = affine(head_at(frame)).inverse().transform_vector3(places[1].translation - places[0].translation);
+            swing = swing.max(bone.angle_between(rest));
+        }
+        assert!(swing > 0.1, "it swings: {swing}");
+    }
+}
+
+#[test]
+fn joints_in_between_hang_on_and_the_end_may_be_any_descendant() {
+    let Avatar { mut app, joints, springs } = avatar(false, false);
+    let [root, between, end] = [joints[0], joints[1], joints[2]];
+    let chain = vec![SpringJoint::new(root), SpringJoint::new(end)];
+    app.world_mut().get_mut::<SpringBones>(springs).expect("springs").joints = chain;
+    step(&mut app, 200);
+    assert_eq!(app.world().get::<Transform>(between).expect("a joint").rotation, local(1).rotation);
+    assert_ne!(app.world().get::<Transform>(root).expect("a joint").rotation, local(0).rotation);
+}
+
+#[test]
+fn springs_that_cannot_swing_are_refused_by_name() {
+    let of = |change: fn(&mut SpringBones)| -> Option<String> {
+        let Avatar { mut app, springs, .. } = avatar(false, true);
+        change(&mut app.world_mut().get_mut::<SpringBones>(springs).expect("springs"));
+        step(&mut app, 2);
+        let refusals: Vec<String> =
+            app.world().resource::<Refusals>().of(springs).map(|refusal| refusal.to_string()).collect();
+        assert!(refusals.len() < 2, "{refusals:?}");
+        refusals.into_iter().next()
+    };
+    assert_eq!(of(|_| ()), None);
+    let changes: [(&str, fn(&mut SpringBones)); 8] = [
+        ("joints", |springs| springs.joints.clear()),
+        ("joints", |springs| springs.joints.truncate(1)),
+        ("joints", |springs| springs.joints.reverse()),
+        ("joints", |springs| springs.joints[2].joint = Entity::PLACEHOLDER),
+        ("hit_radius", |springs| springs.joints[1].hit_radius = -0.1),
+        ("stiffness", |springs| springs.joints[1].stiffness = f32::NAN),
+        ("drag_force", |springs| springs.joints[1].drag_force = 1.5),
+        ("gravity_dir", |springs| springs.joints[1].gravity_dir.x = f32::INFINITY),
+    ];
+    for (field, change) in changes {
+        let refusal = of(change).expect("a refusal");
+        assert!(refusal.contains(field) && refusal.contains("SpringBones"), "{refusal}");
+    }
+}
+
+/// Colliders that are gone push nothing, and springs that are gone leave the joints to the animation.
+#[test]
+fn colliders_and_springs_may_go() {
+    let Avatar { mut app, joints, springs } = avatar(false, true);
+    step(&mut app, 100);
+    let collider = app.world().get::<SpringBones>(springs).expect("springs").colliders[0];
+    app.world_mut().despawn(collider);
+    step(&mut app, 100);
+    app.world_mut().despawn(springs);
+    step(&mut app, 1);
+    for (index, &joint) in joints.iter().enumerate() {
+        assert_eq!(app.world().get::<Transform>(joint), Some(&local(index)));
+    }
+}
