@@ -15,9 +15,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A ponytail and a skirt of bones",
     controls: "",
-    eye: Vec3::new(1.15, 1.35, 1.75),
-    target: Vec3::new(0.0, 0.98, 0.0),
-    picture_time: 7.3,
+    eye: Vec3::new(1.8, 1.2, 2.1),
+    target: Vec3::new(0.0, 0.93, 0.0),
+    picture_time: 7.5,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(Update, dance);
     },
@@ -29,28 +29,34 @@ pub fn main() -> std::process::ExitCode {
 }
 
 /// Chains of the skirt.
-const CHAINS: usize = 16;
+const CHAINS: usize = 24;
 
 fn setup(world: &mut World) {
     world.spawn(Obstacle::ground());
     let character = character::spawn_figure(world);
     let [head, hips] = [HEAD, HIPS].map(|joint| character.joints[joint]);
+    for &capsule in &character.capsules {
+        world.entity_mut(capsule).insert(Visibility::Hidden);
+    }
+    bone_meshes::spawn_figure(world, &character.joints, Paint::rgb(0.50, 0.52, 0.54));
 
     let hair = spawn_chain(world, head, Vec3::new(0.0, 0.2, 0.1), Vec3::new(0.0, -0.9, 0.44) * 0.075, 7);
-    bone_meshes::spawn_tail(world, &hair, 0.04, Paint::rgb(0.22, 0.09, 0.04));
-    let tail = BoneCloth { drive_frequency: 5.0, drive_damping: 0.4, max_bend: 0.6, ..BoneCloth::new([hair[0]]) };
+    bone_meshes::spawn_tail(world, &hair, 0.04, Paint::rgb(0.16, 0.06, 0.025));
+    let tail =
+        BoneCloth { drive_frequency: 5.0, drive_damping: 0.4, max_bend: 0.6, ..BoneCloth::new([hair[0]]) };
     world.spawn((tail, BodySurface { thickness: 0.03, drag: 1.0, ..default() }));
 
     let skirt: Vec<Vec<Entity>> = (0..CHAINS)
         .map(|chain| {
             let out = Quat::from_rotation_y(TAU * chain as f32 / CHAINS as f32) * Vec3::X;
-            let way = (out * 0.4 + Vec3::NEG_Y).normalize() * 0.1;
+            // In pleats.
+            let way = (out * [0.62, 0.3][chain % 2] + Vec3::NEG_Y).normalize() * 0.1;
             spawn_chain(world, hips, out * 0.16 + Vec3::Y * 0.06, way, 5)
         })
         .collect();
     bone_meshes::spawn_skirt(world, &skirt, Paint::rgb(0.55, 0.07, 0.16));
     let roots = skirt.iter().map(|chain| chain[0]);
-    let skirt = BoneCloth { drive_frequency: 3.0, drive_damping: 0.3, ..BoneCloth::new(roots) };
+    let skirt = BoneCloth { drive_frequency: 2.0, drive_damping: 0.3, ..BoneCloth::new(roots) };
     let surface = BodySurface { thickness: 0.012, friction: 0.2, drag: 1.0, ..default() };
     world.spawn((skirt.with_weave(BoneWeave::Tube), surface));
     world.insert_resource(character);
@@ -81,7 +87,8 @@ fn dance(world: &mut World) {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             joints[character::ARMS[side]].rotation = Quat::from_rotation_z(-sign * 0.42 * PI);
             let bend = 0.45 * bounce;
-            joints[character::THIGHS[side]].rotation = Quat::from_rotation_x(bend) * Quat::from_rotation_z(-0.12 * sign);
+            joints[character::THIGHS[side]].rotation =
+                Quat::from_rotation_x(bend) * Quat::from_rotation_z(-0.12 * sign);
             joints[character::SHINS[side]].rotation = Quat::from_rotation_x(-2.0 * bend);
         }
         joints[HEAD].rotation = Quat::from_rotation_x(0.15 * libm::sinf(TAU * time));

@@ -68,7 +68,8 @@ fn apart(some: &[Vec3], others: &[Vec3]) -> f32 {
 fn limp_hair_hangs_straight_down_and_its_joints_lie_on_the_particles() {
     let mut app = bones_app();
     let (_, joints) = spawn_chain(&mut app, Vec3::Y, 5);
-    let cloth = app.world_mut().spawn((BoneCloth::new([joints[0]]), BodySurface { drag: 3.0, ..default() })).id();
+    let cloth =
+        app.world_mut().spawn((BoneCloth::new([joints[0]]), BodySurface { drag: 3.0, ..default() })).id();
     run(&mut app, 10.0);
     let places = drawn(&app, &joints);
     let straight: Vec<Vec3> = (0..=5).map(|i| Vec3::new(0.0, 1.0 - BONE * i as f32, 0.0)).collect();
@@ -194,8 +195,7 @@ fn bones_bend_no_farther_than_they_may() {
     app.world_mut().spawn((Obstacle::sphere(0.15), Transform::from_xyz(0.3, 0.84, 0.0)));
     run(&mut app, 3.0);
     let places = drawn(&app, &joints);
-    let bends: Vec<f32> =
-        places.windows(3).map(|p| (p[1] - p[0]).angle_between(p[2] - p[1])).collect();
+    let bends: Vec<f32> = places.windows(3).map(|p| (p[1] - p[0]).angle_between(p[2] - p[1])).collect();
     assert!(bends.iter().all(|&bend| bend < 0.7), "{bends:?}");
     assert!(bends.iter().any(|&bend| bend > 0.55), "{bends:?}");
 }
@@ -294,6 +294,22 @@ fn obstacles_on_joints_are_no_joints_and_all_joints_move_by_frames() {
     }
 }
 
+#[test]
+fn bones_do_not_tear_and_a_joint_that_is_gone_stops_nothing() {
+    let mut app = bones_app();
+    let (_, joints) = spawn_chain(&mut app, Vec3::Y, 4);
+    let weak = Tearable { strain: 1e-4, ..default() };
+    let cloth = app.world_mut().spawn((BoneCloth::new([joints[0]]), weak)).id();
+    run(&mut app, 1.0);
+    assert_eq!(particles(&app, cloth).len(), 5);
+    app.world_mut().despawn(joints[2]);
+    run(&mut app, 0.5);
+    let told: Vec<&str> =
+        app.world().resource::<Refusals>().of(cloth).map(|refusal| refusal.component).collect();
+    assert_eq!(told, ["BoneCloth", "Tearable"]);
+    assert!(particles(&app, cloth)[4].is_finite() && place(&app, joints[1]).affine().is_finite());
+}
+
 /// The words of the only refusal, if there is one.
 fn refusal(cloth: impl FnOnce(&mut App) -> BoneCloth) -> Option<String> {
     let mut app = bones_app();
@@ -339,7 +355,8 @@ fn bones_that_cannot_be_cloth_are_refused_by_name() {
     told("particles 0 and 1", in_one_place);
     let turned = refusal(|app| {
         let (head, joints) = spawn_chain(app, Vec3::Y, 2);
-        app.world_mut().get_mut::<Transform>(head).expect("a head").rotation = Quat::from_rotation_z(FRAC_PI_2);
+        app.world_mut().get_mut::<Transform>(head).expect("a head").rotation =
+            Quat::from_rotation_z(FRAC_PI_2);
         app.world_mut().get_mut::<Transform>(head).expect("a head").scale = Vec3::splat(2.0);
         BoneCloth::new([joints[0]])
     });

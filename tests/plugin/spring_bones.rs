@@ -3,6 +3,7 @@
 use bevy::math::{DAffine3, DQuat, DVec3};
 use bevy::prelude::*;
 use bevy_drape::bones::{SpringBones, SpringCollider, SpringJoint};
+use bevy_drape::origin::ShiftOrigin;
 use bevy_drape::prelude::*;
 
 use crate::common::{STEP, app_in, step};
@@ -10,14 +11,22 @@ use crate::common::{STEP, app_in, step};
 /// The place of the head at the beginning of a frame: it runs, turns and nods.
 fn head_at(frame: usize) -> Transform {
     let t = frame as f32 * STEP;
-    Transform::from_xyz(2.0 * t, 1.5 + 0.1 * (6.0 * t).sin(), 0.0)
-        .with_rotation(Quat::from_euler(EulerRot::YXZ, 2.0 * t.sin(), 0.4 * (9.0 * t).sin(), 0.0))
+    Transform::from_xyz(2.0 * t, 1.5 + 0.1 * (6.0 * t).sin(), 0.0).with_rotation(Quat::from_euler(
+        EulerRot::YXZ,
+        2.0 * t.sin(),
+        0.4 * (9.0 * t).sin(),
+        0.0,
+    ))
 }
 
 /// The transform of each joint on the one above it at rest. The last is the end of the bone before it.
 fn local(index: usize) -> Transform {
     let place = if index == 0 { Vec3::new(0.0, 0.1, 0.1) } else { Vec3::new(0.01, 0.12, -0.02) };
-    Transform::from_translation(place).with_rotation(Quat::from_rotation_x(if index == 0 { 2.2 } else { 0.15 }))
+    Transform::from_translation(place).with_rotation(Quat::from_rotation_x(if index == 0 {
+        2.2
+    } else {
+        0.15
+    }))
 }
 
 /// The numbers of each joint.
@@ -34,8 +43,10 @@ fn numbers(index: usize, joint: Entity) -> SpringJoint {
 
 const JOINTS: usize = 5;
 /// A ball and a capsule on the head: place, tail on the capsule's own place, radius.
-const COLLIDERS: [(Vec3, Vec3, f32); 2] =
-    [(Vec3::new(0.0, -0.1, 0.22), Vec3::ZERO, 0.12), (Vec3::new(-0.3, -0.35, 0.1), Vec3::new(0.6, 0.0, 0.05), 0.08)];
+const COLLIDERS: [(Vec3, Vec3, f32); 2] = [
+    (Vec3::new(0.0, -0.1, 0.22), Vec3::ZERO, 0.12),
+    (Vec3::new(-0.3, -0.35, 0.1), Vec3::new(0.6, 0.0, 0.05), 0.08),
+];
 
 /// A head that moves by itself, and a chain of joints on it with two colliders beside.
 struct Avatar {
@@ -48,11 +59,14 @@ struct Avatar {
 struct Head {
     entity: Entity,
     frame: usize,
+    origin: Vec3,
 }
 
 fn move_head(mut head: ResMut<Head>, mut transforms: Query<&mut Transform>) {
     head.frame += 1;
-    *transforms.get_mut(head.entity).expect("a head") = head_at(head.frame);
+    let mut place = head_at(head.frame);
+    place.translation -= head.origin;
+    *transforms.get_mut(head.entity).expect("a head") = place;
 }
 
 fn avatar(has_center: bool, has_colliders: bool) -> Avatar {
@@ -60,7 +74,7 @@ fn avatar(has_center: bool, has_colliders: bool) -> Avatar {
     let mut app = app_in(Update);
     app.add_plugins(TransformPlugin).add_systems(PreUpdate, move_head);
     let head = app.world_mut().spawn(head_at(0)).id();
-    app.insert_resource(Head { entity: head, frame: 0 });
+    app.insert_resource(Head { entity: head, frame: 0, origin: Vec3::ZERO });
     let mut joints = vec![];
     for index in 0..JOINTS {
         let parent = joints.last().copied().unwrap_or(head);
@@ -90,7 +104,10 @@ struct State {
 }
 
 fn affine(transform: Transform) -> DAffine3 {
-    DAffine3::from_rotation_translation(transform.rotation.as_dquat().normalize(), transform.translation.as_dvec3())
+    DAffine3::from_rotation_translation(
+        transform.rotation.as_dquat().normalize(),
+        transform.translation.as_dvec3(),
+    )
 }
 
 /// The specification's states in the first frame.
@@ -164,11 +181,19 @@ fn joints_move_as_the_specification_says_step_by_step() {
                 let place = app.world().get::<GlobalTransform>(joint).expect("a place");
                 let (_, rotation, translation) = place.to_scale_rotation_translation();
                 let (_, turned, moved) = wanted.to_scale_rotation_translation();
-                assert!(translation.as_dvec3().distance(moved) < 2e-4, "frame {frame}: {translation} {moved}");
-                assert!(rotation.as_dquat().angle_between(turned) < 2e-3, "{has_center} {has_colliders} frame {frame}, {joint}: {rotation} {turned}");
+                assert!(
+                    translation.as_dvec3().distance(moved) < 2e-4,
+                    "frame {frame}: {translation} {moved}"
+                );
+                assert!(
+                    rotation.as_dquat().angle_between(turned) < 2e-3,
+                    "{has_center} {has_colliders} frame {frame}, {joint}: {rotation} {turned}"
+                );
             }
             let rest = states[0].rotation * states[0].axis;
-            let bone = affine(head_at(frame)).inverse().transform_vector3(places[1].translation - places[0].translation);
+            let bone = affine(head_at(frame))
+                .inverse()
+                .transform_vector3(places[1].translation - places[0].translation);
             swing = swing.max(bone.angle_between(rest));
         }
         assert!(swing > 0.1, "it swings: {swing}");
@@ -211,6 +236,31 @@ fn springs_that_cannot_swing_are_refused_by_name() {
     for (field, change) in changes {
         let refusal = of(change).expect("a refusal");
         assert!(refusal.contains(field) && refusal.contains("SpringBones"), "{refusal}");
+    }
+}
+
+/// Spring bones without a centre remember places in the world: after a shift they once flew back to the old origin.
+#[test]
+fn a_shift_of_the_origin_leaves_springs_as_they_are() {
+    for has_center in [false, true] {
+        let [mut shifted, mut other] = [avatar(has_center, true), avatar(has_center, true)];
+        let origin = Vec3::new(64.0, 0.0, -32.0);
+        for frame in 0..100 {
+            if frame == 50 {
+                ShiftOrigin(origin).apply(shifted.app.world_mut());
+                shifted.app.world_mut().resource_mut::<Head>().origin = origin;
+            }
+            for avatar in [&mut shifted, &mut other] {
+                step(&mut avatar.app, 1);
+            }
+        }
+        for (&joint, &twin) in shifted.joints.iter().zip(&other.joints) {
+            let place = |avatar: &Avatar, joint| avatar.app.world().get::<GlobalTransform>(joint).copied();
+            let [here, there] =
+                [place(&shifted, joint), place(&other, twin)].map(|place| place.expect("a place"));
+            assert!((here.translation() + origin).distance(there.translation()) < 2e-4, "{here:?} {there:?}");
+            assert!(here.rotation().angle_between(there.rotation()) < 2e-3, "{here:?} {there:?}");
+        }
     }
 }
 

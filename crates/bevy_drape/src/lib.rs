@@ -12,7 +12,7 @@
 //! tools/             picking, gestures, spatial queries, gizmos, diagnostics
 //! tear/              parts bodies, and makes entities of the pieces
 //! render/            meshes that show bodies, and bodies made from meshes
-//! bones/             joints of skinned meshes that are solved as ropes and cloth
+//! bones/             joints of skinned meshes, solved as ropes and cloth
 //! transform/         interpolation between fixed steps and between frames
 //! contact/           messages about contacts and hits, reactions of obstacles
 //! sleep/             sleeping, waking, culling, reach

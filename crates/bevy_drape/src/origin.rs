@@ -41,6 +41,8 @@ use crate::body::body_state::BodyState;
 use crate::body::particles::Particles;
 #[cfg(feature = "gpu")]
 use crate::body::{activity::Activity, on_gpu::OnGpu};
+use crate::bones::spring_bones::SpringBones;
+use crate::bones::springs::SwingingTails;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::environment::dynamic_obstacle::PlannedPlacement;
 use crate::environment::solver_environment::SolverEnvironment;
@@ -80,6 +82,7 @@ impl Command for ShiftOrigin {
         let shift = Shift::of_transforms(origin, world);
         shift.bodies(world);
         shift.followed_poses(world);
+        shift.springs(world);
         shift.written_transforms(world);
         shift.environment(world);
         #[cfg(feature = "mesh")]
@@ -194,6 +197,15 @@ impl Shift {
             }
             if let (Some(&joint), Some(&local)) = (joints.get(*main), inverse_bind_poses.get(*main)) {
                 *shown = shown.map(|shown| shown.map(|shown| self.pose_of(joint, shown, local)));
+            }
+        });
+    }
+
+    /// Moves the ends of spring bones. Those with a centre are in its coordinates.
+    fn springs(&self, world: &mut World) {
+        each::<(&SpringBones, &mut SwingingTails), ()>(world, |(spring, mut tails)| {
+            if spring.center.is_none() {
+                tails.0.iter_mut().flatten().for_each(|tail| *tail = self.place(*tail));
             }
         });
     }

@@ -100,7 +100,13 @@ impl Plugin for SolverPlugin {
         app.insert_resource(ShowsBetweenSteps::of(schedule))
             .add_plugins((BodyPlugin, StepPlugin { schedule }, PropagationPlugin))
             .add_plugins((CannonPlugin { schedule }, DescriptionPlugin, RigidTetrahedronPlugin, BallPlugin))
-            .add_plugins((RigPlugin, TearPlugin { schedule }, LevelOfDetailPlugin, WorldMotionPlugin, BonePlugin))
+            .add_plugins((
+                RigPlugin,
+                TearPlugin { schedule },
+                LevelOfDetailPlugin,
+                WorldMotionPlugin,
+                BonePlugin,
+            ))
             .add_plugins((WindPlugin, ObstaclePlugin, DynamicObstaclePlugin))
             .add_plugins((AttachmentPlugin, WinchPlugin, GrabPlugin, PressurePlugin, SleepPlugin))
             .add_plugins((

@@ -9,6 +9,9 @@ use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
+use crate::character::gltf_file::figure;
+use crate::character::skeleton::inverse_bind_poses;
+
 /// Vertices of a tail all the way round.
 const ROUND: usize = 12;
 /// Vertices of a skirt from one chain to the next.
@@ -63,6 +66,11 @@ pub fn spawn_skirt(world: &mut World, chains: &[Vec<Entity>], bundle: impl Bundl
     spawn(world, &joints, &places, &vertices, BETWEEN * chains.len(), bundle);
 }
 
+/// Spawns the figure of a character with these joints, with `bundle` besides.
+pub fn spawn_figure(world: &mut World, joints: &[Entity], bundle: impl Bundle) {
+    skin(world, joints, figure(), inverse_bind_poses(), bundle);
+}
+
 /// The places of joints, whose global transforms do not exist yet.
 fn places(world: &World, joints: &[Entity]) -> Vec<Affine3A> {
     let place = |joint: &Entity| {
@@ -94,7 +102,7 @@ fn spawn(
     let square = |ring: usize, i: usize| {
         let [a, b] = [i, (i + 1) % round].map(|i| (ring * round + i) as u32);
         let [c, d] = [a, b].map(|above| above + round as u32);
-        [a, b, c, b, d, c]
+        [a, c, b, b, c, d]
     };
     let rings = vertices.len() / round;
     let squares = (0..rings - 1).flat_map(|ring| (0..round).map(move |i| (ring, i)));
@@ -103,17 +111,27 @@ fn spawn(
     let moves: Vec<[u16; 4]> = vertices.iter().map(|(_, [a, b], _)| [*a as u16, *b as u16, 0, 0]).collect();
     let weights: Vec<[f32; 4]> = vertices.iter().map(|(.., [a, b])| [*a, *b, 0.0, 0.0]).collect();
     let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vertices.iter().map(|v| v.0.to_array()).collect::<Vec<_>>())
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_POSITION,
+            vertices.iter().map(|v| v.0.to_array()).collect::<Vec<_>>(),
+        )
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, (0..vertices.len()).map(uv).collect::<Vec<_>>())
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(moves))
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
         .with_inserted_indices(Indices::U32(indices))
         .with_computed_normals();
-    let poses: Vec<Mat4> = places.iter().map(|place| Mat4::from(place.inverse())).collect();
+    let poses = places.iter().map(|place| Mat4::from(place.inverse())).collect();
+    skin(world, joints, mesh, poses, bundle);
+}
+
+/// Spawns a skinned mesh.
+fn skin(world: &mut World, joints: &[Entity], mesh: Mesh, poses: Vec<Mat4>, bundle: impl Bundle) {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let inverse_bindposes =
-        world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(SkinnedMeshInverseBindposes::from(poses));
-    let skin = SkinnedMesh { inverse_bindposes, joints: joints.to_vec() };
+    let mut all = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
+    let skin = SkinnedMesh {
+        inverse_bindposes: all.add(SkinnedMeshInverseBindposes::from(poses)),
+        joints: joints.to_vec(),
+    };
     // The box of the mesh is that of its first pose.
     world.spawn((Mesh3d(mesh), skin, NoFrustumCulling, Transform::default(), bundle));
 }

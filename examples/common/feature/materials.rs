@@ -55,7 +55,10 @@ type Bare = (
 );
 
 fn add_body_materials(
-    bodies: Query<(Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>, Has<SkinnedMesh>), Bare>,
+    bodies: Query<
+        (Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>, Has<SkinnedMesh>),
+        Bare,
+    >,
     shared: Res<SharedMaterials>,
     surfaces: Res<Surfaces>,
     mut materials: ResMut<Assets<StandardMaterial>>,

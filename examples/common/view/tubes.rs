@@ -7,6 +7,7 @@ use bevy::camera::visibility::NoFrustumCulling;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_drape::body::Sticks;
+use bevy_drape::bones::BoneCloth;
 use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
 use bevy_drape::rig::StickKind;
@@ -80,6 +81,9 @@ pub fn material() -> StandardMaterial {
     }
 }
 
+/// Bodies that nothing else draws.
+type Bare = (Without<HasTubes>, Without<RigidTetrahedron>, Without<RopeMesh>, Without<BoneCloth>);
+
 /// Draws the structural sticks of a body without a surface.
 #[derive(Component)]
 struct TubesOf(Entity);
@@ -89,7 +93,7 @@ struct TubesOf(Entity);
 struct HasTubes;
 
 fn spawn_tubes(
-    bodies: Query<(Entity, &Sticks), (Without<HasTubes>, Without<RigidTetrahedron>, Without<RopeMesh>)>,
+    bodies: Query<(Entity, &Sticks), Bare>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut count: Local<usize>,

@@ -9,6 +9,8 @@ use crate::rigid_motion::{between, placement};
 /// The pose that an animation gives to some particles of a body. Each particle follows a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct AnimatedPose {
+    /// The component that it comes from, for the log.
+    pub source: &'static str,
     pub joints: Vec<Entity>,
     /// From the mesh's coordinates into those of each joint.
     pub inverse_bind_poses: Vec<Affine3A>,

@@ -34,7 +34,7 @@ pub(crate) fn move_posed(
     for (entity, mut posed, mut particles, mut state, activity, mut tied) in &mut bodies {
         if let Err(joint) = posed.matrices(|joint| places.get(joint).ok(), &mut matrices) {
             let reason = format!("joint {joint} is gone, or not finite; the cloth stays where it was");
-            refusals.entity(entity, "SkinnedMesh", reason);
+            refusals.entity(entity, posed.source, reason);
             continue;
         }
         if *matrices == posed.last {

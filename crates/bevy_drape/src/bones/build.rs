@@ -7,6 +7,7 @@ use bevy::prelude::*;
 
 use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
 use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::tearable::Untearable;
 use crate::bones::bone_cloth::BoneCloth;
 use crate::bones::chain::{BoneChain, PosedChains};
 use crate::bones::show::ShownBones;
@@ -43,14 +44,14 @@ pub(crate) fn build_bone_cloths(
                 pose.joints.iter().for_each(|&joint| move_by_frames(&mut commands, joint, &parents));
                 insert_body(&mut commands, entity, order.next(), transform, parts, None);
                 let mut body = commands.entity(entity);
-                body.insert((pose, ShownBones::new(chains)));
+                body.insert((pose, ShownBones::new(chains), Untearable));
                 // Pins follow the joints instead of the entity.
                 body.entry::<BodyState>().and_modify(|mut state| state.pins.clear());
             }
             Err(reason) => {
                 refusals.entity(entity, "BoneCloth", reason);
                 remove_body(&mut commands, entity);
-                commands.entity(entity).try_remove::<(AnimatedPose, ShownBones)>();
+                commands.entity(entity).try_remove::<(AnimatedPose, ShownBones, Untearable)>();
             }
         }
     }
@@ -75,7 +76,8 @@ fn pose(
         if posed.chains.iter().flat_map(|chain| &chain.joints).any(|joint| joints.contains(joint)) {
             return Err(format!("the joint {root} in `roots` is in another chain already").into());
         }
-        let stand: Vec<GlobalTransform> = joints.iter().filter_map(|&joint| places.get(joint).ok().copied()).collect();
+        let stand: Vec<GlobalTransform> =
+            joints.iter().filter_map(|&joint| places.get(joint).ok().copied()).collect();
         if let Some(place) = stand.iter().position(|place| !place.affine().is_finite()) {
             return Err(format!("the Transform of joint {} must be finite", joints[place]).into());
         }
@@ -93,8 +95,11 @@ fn animated_pose(
 ) -> Result<AnimatedPose, Cause> {
     let all = chains.iter().flat_map(|chain| &chain.joints).copied();
     let joints: Vec<Entity> = main.filter(|&main| places.contains(main)).into_iter().chain(all).collect();
-    let mut posed =
-        AnimatedPose { inverse_bind_poses: vec![Affine3A::IDENTITY; joints.len()], ..AnimatedPose::default() };
+    let mut posed = AnimatedPose {
+        source: "BoneCloth",
+        inverse_bind_poses: vec![Affine3A::IDENTITY; joints.len()],
+        ..AnimatedPose::default()
+    };
     let mut joint = (joints.len() - chains.iter().map(|chain| chain.joints.len()).sum::<usize>()) as u32;
     for chain in chains {
         let last = chain.joints.len() - 1;
@@ -114,7 +119,9 @@ fn animated_pose(
     }
     posed.joints = joints;
     let mut now = Vec::new();
-    posed.matrices(|joint| places.get(joint).ok(), &mut now).map_err(|joint| format!("joint {joint} is gone"))?;
+    posed
+        .matrices(|joint| places.get(joint).ok(), &mut now)
+        .map_err(|joint| format!("joint {joint} is gone"))?;
     posed.last = now;
     Ok(posed)
 }
@@ -122,5 +129,5 @@ fn animated_pose(
 /// Removes the body from an entity that loses its [`BoneCloth`].
 pub(crate) fn remove_bone_cloth(removed: On<Remove<BoneCloth>>, mut commands: Commands) {
     remove_body(&mut commands, removed.entity);
-    commands.entity(removed.entity).try_remove::<(AnimatedPose, ShownBones)>();
+    commands.entity(removed.entity).try_remove::<(AnimatedPose, ShownBones, Untearable)>();
 }

@@ -162,5 +162,7 @@ impl PosedChains {
 /// The pairs of particles of a chain that are `apart` bones from each other.
 fn pairs(chain: &BoneChain, apart: usize) -> impl Iterator<Item = [u32; 2]> + use<> {
     let (first, last) = (chain.first, chain.first + chain.joints.len());
-    (first..=last).take_while(move |from| from + apart <= last).map(move |from| [from as u32, (from + apart) as u32])
+    (first..=last)
+        .take_while(move |from| from + apart <= last)
+        .map(move |from| [from as u32, (from + apart) as u32])
 }

@@ -109,7 +109,12 @@ pub(crate) fn show_bones(
         let ShownBones { chains, ways: [before, now], turned: all } = &mut *shown;
         let ahead = posed.and_then(|posed| {
             // Steps see an older pose than the one that the rest of the character is drawn in.
-            let main = place_below(*posed.joints.get(posed.main)?, None, |at| joints.get(at).ok().copied(), &parents);
+            let main = place_below(
+                *posed.joints.get(posed.main)?,
+                None,
+                |at| joints.get(at).ok().copied(),
+                &parents,
+            );
             let main = GlobalTransform::from(main);
             posed.ahead(fraction, |_| Some(&main))
         });
@@ -127,7 +132,9 @@ pub(crate) fn show_bones(
                 let Some(way) = ways.next() else { break };
                 let next = chain.joints.get(index + 1);
                 let end = next.map_or(chain.tip, |&next| {
-                    place_below(next, Some(joint), |at| joints.get(at).ok().copied(), &parents).translation.into()
+                    place_below(next, Some(joint), |at| joints.get(at).ok().copied(), &parents)
+                        .translation
+                        .into()
                 });
                 let between = above(next, Some(joint), &joints);
                 let Ok(mut transform) = joints.get_mut(joint) else { continue };

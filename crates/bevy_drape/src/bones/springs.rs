@@ -14,7 +14,7 @@ use crate::transform::moved_by_frame::move_by_frames;
 
 /// The ends of the bones of a spring, after the last two steps, in the coordinates of its centre. Empty before the first step.
 #[derive(Component, Clone, Debug, Default)]
-pub(crate) struct SwingingTails(Vec<[Vec3; 2]>);
+pub(crate) struct SwingingTails(pub Vec<[Vec3; 2]>);
 
 /// Checks springs that were inserted or changed since the last step, and lets them swing.
 pub(crate) fn prepare_springs(
@@ -51,7 +51,9 @@ fn chain(
     parents: &Query<&ChildOf>,
 ) -> Result<BoneChain, Cause> {
     let [joints @ .., tail] = spring.joints.as_slice() else { return Err("`joints` names no joint".into()) };
-    let Some(last) = joints.last() else { return Err("`joints` needs two: the second is the end of the first".into()) };
+    let Some(last) = joints.last() else {
+        return Err("`joints` needs two: the second is the end of the first".into());
+    };
     spring.joints.iter().try_for_each(|joint| joint.validate())?;
     for pair in spring.joints.windows(2) {
         let [above, below] = [pair[0].joint, pair[1].joint];
@@ -61,7 +63,11 @@ fn chain(
         }
     }
     let tip = place_below(tail.joint, Some(last.joint), |joint| transforms.get(joint).ok().copied(), parents);
-    Ok(BoneChain { joints: joints.iter().map(|joint| joint.joint).collect(), tip: tip.translation.into(), first: 0 })
+    Ok(BoneChain {
+        joints: joints.iter().map(|joint| joint.joint).collect(),
+        tip: tip.translation.into(),
+        first: 0,
+    })
 }
 
 /// Takes all springs through a step, from their roots on.
@@ -77,9 +83,16 @@ pub(crate) fn swing_springs(
     let transform_of = |joint| transforms.get(joint).ok().copied();
     for (spring, mut tails, mut shown) in &mut springs {
         placed.clear();
-        placed.extend(colliders.iter_many(&spring.colliders).flatten().map(|(it, place)| PlacedCollider::new(it, place)));
+        placed.extend(
+            colliders
+                .iter_many(&spring.colliders)
+                .flatten()
+                .map(|(it, place)| PlacedCollider::new(it, place)),
+        );
         let affine = |entity: Option<Entity>| {
-            entity.and_then(|entity| places.get(entity).ok()).map_or(Affine3A::IDENTITY, GlobalTransform::affine)
+            entity
+                .and_then(|entity| places.get(entity).ok())
+                .map_or(Affine3A::IDENTITY, GlobalTransform::affine)
         };
         let center = affine(spring.center);
         let root = spring.joints.first().and_then(|root| parents.get(root.joint).ok()).map(ChildOf::parent);

@@ -62,7 +62,12 @@ impl GltfExtensionHandler for SpringBoneReader {
 }
 
 /// Spawns the springs and colliders of a scene.
-fn spawn(extension: &Value, nodes: &BTreeMap<usize, Entity>, root: Entity, world: &mut World) -> Result<(), String> {
+fn spawn(
+    extension: &Value,
+    nodes: &BTreeMap<usize, Entity>,
+    root: Entity,
+    world: &mut World,
+) -> Result<(), String> {
     match extension.get("specVersion").and_then(Value::as_str) {
         Some("1.0") => {}
         version => return Err(format!("`specVersion` must be 1.0, but is {version:?}")),
@@ -75,13 +80,16 @@ fn spawn(extension: &Value, nodes: &BTreeMap<usize, Entity>, root: Entity, world
     // All that is wrong is found before anything is spawned.
     let colliders = array(extension, "colliders").iter().map(|collider| {
         let shape = read_collider(collider);
-        let (shape, offset) = shape.ok_or_else(|| format!("a collider needs a sphere or a capsule: {collider}"))?;
+        let (shape, offset) =
+            shape.ok_or_else(|| format!("a collider needs a sphere or a capsule: {collider}"))?;
         Ok((shape, offset, node_of(collider, "node")?))
     });
     let colliders: Vec<(SpringCollider, Vec3, Entity)> = colliders.collect::<Result<_, String>>()?;
     let springs = array(extension, "springs").iter().map(|spring| {
         let joints = array(spring, "joints").iter();
-        let joints = joints.map(|joint| Ok(read_joint(joint, node_of(joint, "node")?))).collect::<Result<_, String>>()?;
+        let joints = joints
+            .map(|joint| Ok(read_joint(joint, node_of(joint, "node")?)))
+            .collect::<Result<_, String>>()?;
         let center = spring.get("center").map(|_| node_of(spring, "center")).transpose()?;
         let name = spring.get("name").and_then(Value::as_str).unwrap_or("spring").to_string();
         let groups = indices(spring, "colliderGroups");

@@ -62,7 +62,7 @@ pub(crate) fn tear_bodies(
     awake.clear();
     for (entity, tearable, untearable) in &whole {
         if tearable.is_changed() || untearable.is_added() {
-            tearing.refusals.entity(entity, "Tearable", "solids do not tear");
+            tearing.refusals.entity(entity, "Tearable", "solids and bones do not tear");
         }
     }
     for (entity, tearable, activity) in &tearable {

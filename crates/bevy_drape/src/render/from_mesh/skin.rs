@@ -31,7 +31,8 @@ impl ClothSkin {
     ) -> Result<Option<Self>, MeshFault> {
         let vertices = skin(mesh)?;
         let (Some(skinned), Some(vertices)) = (skinned, vertices) else {
-            let mut pose = AnimatedPose { joints: vec![entity], ..AnimatedPose::default() };
+            let mut pose =
+                AnimatedPose { source: "SkinnedMesh", joints: vec![entity], ..AnimatedPose::default() };
             pose.inverse_bind_poses.push(Affine3A::IDENTITY);
             let matrices = place(entity).map(GlobalTransform::affine).into_iter().collect();
             return Ok(Some(Self { vertices: Vec::new(), is_skinned: false, pose, matrices }));
@@ -45,6 +46,7 @@ impl ClothSkin {
             return Err(MeshFault::NoSuchJoint { joint, count });
         }
         let mut pose = AnimatedPose {
+            source: "SkinnedMesh",
             joints: skinned.joints[..count].to_vec(),
             inverse_bind_poses: bind_poses[..count].iter().map(|&pose| Affine3A::from_mat4(pose)).collect(),
             ..AnimatedPose::default()
