@@ -200,15 +200,29 @@ fn joints_move_as_the_specification_says_step_by_step() {
     }
 }
 
+/// Joints between two of a chain hang on the upper one, as if they and the lower one were one.
 #[test]
 fn joints_in_between_hang_on_and_the_end_may_be_any_descendant() {
     let Avatar { mut app, joints, springs } = avatar(false, false);
-    let [root, between, end] = [joints[0], joints[1], joints[2]];
-    let chain = vec![SpringJoint::new(root), SpringJoint::new(end)];
-    app.world_mut().get_mut::<SpringBones>(springs).expect("springs").joints = chain;
+    let chain = [joints[0], joints[2], joints[4]];
+    let head = app.world().resource::<Head>().entity;
+    let mut parent = head;
+    let twins = [local(0), local(1) * local(2), local(3) * local(4)].map(|place| {
+        parent = app.world_mut().spawn((place, ChildOf(parent))).id();
+        parent
+    });
+    let numbers =
+        |joints: [Entity; 3]| joints.into_iter().enumerate().map(|(index, joint)| numbers(index, joint));
+    app.world_mut().get_mut::<SpringBones>(springs).expect("springs").joints = numbers(chain).collect();
+    app.world_mut().spawn(SpringBones { joints: numbers(twins).collect(), ..default() });
     step(&mut app, 200);
-    assert_eq!(app.world().get::<Transform>(between).expect("a joint").rotation, local(1).rotation);
-    assert_ne!(app.world().get::<Transform>(root).expect("a joint").rotation, local(0).rotation);
+    for (joint, twin) in chain.into_iter().zip(twins) {
+        let [here, there] =
+            [joint, twin].map(|joint| *app.world().get::<GlobalTransform>(joint).expect("a place"));
+        assert!(here.translation().distance(there.translation()) < 1e-4, "{here:?} {there:?}");
+    }
+    assert_eq!(app.world().get::<Transform>(joints[1]).expect("a joint").rotation, local(1).rotation);
+    assert_ne!(app.world().get::<Transform>(joints[0]).expect("a joint").rotation, local(0).rotation);
 }
 
 #[test]
