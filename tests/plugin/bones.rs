@@ -317,7 +317,7 @@ fn refusal(cloth: impl FnOnce(&mut App) -> BoneCloth) -> Option<String> {
     let entity = app.world_mut().spawn(cloth).id();
     step(&mut app, 1);
     let refusals: Vec<String> =
-        app.world().resource::<Refusals>().of(entity).map(|refusal| refusal.to_string()).collect();
+        app.world().resource::<Refusals>().of(entity).map(ToString::to_string).collect();
     assert!(refusals.len() < 2, "{refusals:?}");
     assert_eq!(refusals.is_empty(), app.world().get::<Particles>(entity).is_some());
     refusals.into_iter().next()

@@ -161,7 +161,7 @@ fn update(states: &mut [State], center: &DAffine3, head: DAffine3, has_colliders
         state.current = center.inverse().transform_point3(next);
         let to = (parent * state.matrix).inverse().transform_point3(next).normalize();
         let rotation = state.rotation * DQuat::from_rotation_arc(state.axis, to);
-        parent *= DAffine3::from_rotation_translation(rotation, state.matrix.translation.into());
+        parent *= DAffine3::from_rotation_translation(rotation, state.matrix.translation);
         all.push(parent);
     }
     all
@@ -232,7 +232,7 @@ fn springs_that_cannot_swing_are_refused_by_name() {
         change(&mut app.world_mut().get_mut::<SpringBones>(springs).expect("springs"));
         step(&mut app, 2);
         let refusals: Vec<String> =
-            app.world().resource::<Refusals>().of(springs).map(|refusal| refusal.to_string()).collect();
+            app.world().resource::<Refusals>().of(springs).map(ToString::to_string).collect();
         assert!(refusals.len() < 2, "{refusals:?}");
         refusals.into_iter().next()
     };

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::bones::chain::BoneChain;
 use crate::bones::show::{ShownBones, place_below, turned};
-use crate::bones::spring_bones::{SpringBones, SpringCollider};
+use crate::bones::spring_bones::{SpringBones, SpringCollider, SpringJoint};
 use crate::bones::swing::{Bone, PlacedCollider};
 use crate::change_detection::collect_changed;
 use crate::clock::DrapeClock;
@@ -54,7 +54,7 @@ fn chain(
     let Some(last) = joints.last() else {
         return Err("`joints` needs two: the second is the end of the first".into());
     };
-    spring.joints.iter().try_for_each(|joint| joint.validate())?;
+    spring.joints.iter().try_for_each(SpringJoint::validate)?;
     for pair in spring.joints.windows(2) {
         let [above, below] = [pair[0].joint, pair[1].joint];
         let hangs = parents.iter_ancestors(below).any(|ancestor| ancestor == above);

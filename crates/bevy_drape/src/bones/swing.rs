@@ -1,4 +1,4 @@
-//! The equations of VRM's spring bones (`VRMC_springBone` 1.0, "SpringBone Algorithm"), one bone at a time.
+//! The equations of VRM's spring bones (the algorithm of `VRMC_springBone` 1.0), one bone at a time.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
