@@ -145,7 +145,19 @@ fn a_gltf_file_with_a_faulty_extension_loads_without_springs() {
     lost["springs"][0]["joints"][1]["node"] = json!(77);
     let mut shapeless = extension();
     shapeless["colliders"][0]["shape"] = json!({});
-    for (name, extension) in [("old", old), ("lost", lost), ("shapeless", shapeless), ("empty", json!([]))] {
+    let mut no_group = extension();
+    no_group["springs"][0]["colliderGroups"] = json!([2]);
+    let mut no_collider = extension();
+    no_collider["colliderGroups"][1]["colliders"] = json!([0, 3]);
+    let faulty = [
+        ("old", old),
+        ("lost", lost),
+        ("shapeless", shapeless),
+        ("empty", json!([])),
+        ("no_group", no_group),
+        ("no_collider", no_collider),
+    ];
+    for (name, extension) in faulty {
         let (mut app, _) = spawn(name, extension);
         assert_eq!(app.world_mut().query::<&SpringBones>().iter(app.world()).count(), 0);
         assert_eq!(app.world_mut().query::<&SpringCollider>().iter(app.world()).count(), 0);

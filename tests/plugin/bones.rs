@@ -3,7 +3,8 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use bevy::prelude::*;
-use bevy_drape::bones::{BoneCloth, BoneWeave};
+use bevy_drape::bones::{BoneCloth, BoneWeave, SpringBones, SpringCollider, SpringJoint};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape::transform::MovedByFrame;
 
@@ -103,15 +104,17 @@ fn bones_keep_their_lengths_while_they_swing() {
 /// The rotations that joints show must not become their animated pose: hair on a spring would sag a little further in each frame.
 #[test]
 fn a_stiff_spring_holds_the_pose_of_joints_that_nothing_animates() {
-    let mut app = bones_app();
-    let (_, joints) = spawn_chain(&mut app, Vec3::Y, 5);
-    step(&mut app, 1);
-    let pose = drawn(&app, &joints);
-    let stiff = BoneCloth { drive_frequency: 100.0, ..BoneCloth::new([joints[0]]) };
-    app.world_mut().spawn(stiff);
-    run(&mut app, 5.0);
-    // Gravity bends it by g / w^2, a millimetre.
-    assert!(apart(&drawn(&app, &joints)[1..], &pose[1..]) < 2.5e-3, "{:?}", drawn(&app, &joints));
+    for mut app in [app(), app_in(Update), app_in(PostUpdate)] {
+        app.add_plugins(TransformPlugin);
+        let (_, joints) = spawn_chain(&mut app, Vec3::Y, 5);
+        step(&mut app, 1);
+        let pose = drawn(&app, &joints);
+        let stiff = BoneCloth { drive_frequency: 100.0, ..BoneCloth::new([joints[0]]) };
+        app.world_mut().spawn(stiff);
+        run(&mut app, 5.0);
+        // Gravity bends it by g / w^2, a millimetre.
+        assert!(apart(&drawn(&app, &joints)[1..], &pose[1..]) < 2.5e-3, "{:?}", drawn(&app, &joints));
+    }
 }
 
 #[test]
@@ -284,6 +287,10 @@ fn obstacles_on_joints_are_no_joints_and_all_joints_move_by_frames() {
     let (head, joints) = spawn_chain(&mut app, Vec3::Y, 1);
     let capsule = (Obstacle::sphere(0.01), Transform::from_xyz(0.0, 0.0, 0.05), ChildOf(joints[0]));
     app.world_mut().spawn(capsule);
+    let collider = SpringCollider { radius: 0.1, ..default() };
+    app.world_mut().spawn((collider, Transform::from_xyz(0.0, 0.1, 0.0), ChildOf(joints[0])));
+    // As Bevy's loader spawns the meshes of a node.
+    app.world_mut().spawn((Transform::default(), ChildOf(joints[0])));
     let next = app.world_mut().spawn((Transform::from_xyz(BONE, 0.0, 0.0), ChildOf(joints[0]))).id();
     let cloth = app.world_mut().spawn(BoneCloth::new([joints[0]])).id();
     step(&mut app, 1);
@@ -308,6 +315,71 @@ fn bones_do_not_tear_and_a_joint_that_is_gone_stops_nothing() {
         app.world().resource::<Refusals>().of(cloth).map(|refusal| refusal.component).collect();
     assert_eq!(told, ["BoneCloth", "Tearable"]);
     assert!(particles(&app, cloth)[4].is_finite() && place(&app, joints[1]).affine().is_finite());
+}
+
+/// Time goes on while the clock stands: joints were drawn to and fro between the last two steps.
+#[test]
+fn joints_stand_still_while_the_clock_is_paused() {
+    let mut app = bones_app();
+    let (_, joints) = spawn_chain(&mut app, Vec3::Y, 4);
+    let (_, others) = spawn_chain(&mut app, Vec3::Y, 4);
+    app.world_mut().spawn(BoneCloth::new([joints[0]]));
+    let falling = |&joint: &Entity| SpringJoint { gravity_power: 3.0, ..SpringJoint::new(joint) };
+    app.world_mut().spawn(SpringBones { joints: others.iter().map(falling).collect(), ..default() });
+    run(&mut app, 0.1);
+    let moving = [drawn(&app, &joints), drawn(&app, &others)];
+    step(&mut app, 1);
+    assert!(
+        apart(&moving[0], &drawn(&app, &joints)) > 1e-3 && apart(&moving[1], &drawn(&app, &others)) > 1e-3
+    );
+    app.world_mut().resource_mut::<DrapeClock>().paused = true;
+    frame_time(&mut app, 1.0 / 144.0);
+    step(&mut app, 5);
+    let still = [drawn(&app, &joints), drawn(&app, &others)];
+    for _ in 0..10 {
+        step(&mut app, 1);
+        assert!(
+            apart(&still[0], &drawn(&app, &joints)) < 1e-6 && apart(&still[1], &drawn(&app, &others)) < 1e-6
+        );
+    }
+}
+
+/// Steps see an older pose than the frame: stiff ears once stood behind a head that turns.
+#[test]
+fn stiff_bones_are_drawn_on_the_head_as_it_is_drawn() {
+    let mut app = bones_app();
+    let (head, joints) = spawn_chain(&mut app, Vec3::Y, 3);
+    let others = spawn_chain_on(&mut app, head, Vec3::ZERO, Vec3::Z, 3);
+    app.world_mut().spawn(BoneCloth { drive_frequency: 2000.0, ..BoneCloth::new([joints[0]]) });
+    let stiff = |&joint: &Entity| SpringJoint { stiffness: 1000.0, ..SpringJoint::new(joint) };
+    app.world_mut().spawn(SpringBones { joints: others.iter().map(stiff).collect(), ..default() });
+    frame_time(&mut app, 1.0 / 144.0);
+    for frame in 0..144 {
+        let turn = Quat::from_rotation_y(2.0 * PI * frame as f32 / 144.0);
+        app.world_mut().get_mut::<Transform>(head).expect("a head").rotation = turn;
+        step(&mut app, 1);
+        // The first frames have no motion to go on with.
+        for (way, joints) in [(Vec3::X, &joints), (Vec3::Z, &others)].into_iter().filter(|_| frame > 20) {
+            let places = drawn(&app, joints);
+            let angle = (places[2] - places[1]).angle_between(turn * way);
+            assert!(angle < 0.03, "frame {frame}, {way}: {angle}");
+        }
+    }
+}
+
+#[test]
+fn a_bone_that_hangs_below_its_sheet_is_blown_about_too() {
+    let mut app = bones_app();
+    let head = app.world_mut().spawn(Transform::from_xyz(0.0, 2.0, 0.0)).id();
+    let chains = [1, 5]
+        .map(|count| spawn_chain_on(&mut app, head, Vec3::X * 0.1 * count as f32, Vec3::NEG_Y, count)[0]);
+    let sheet = BoneCloth { tip: Some(BONE), ..BoneCloth::new(chains) }.with_weave(BoneWeave::Sheet);
+    let sheet = app.world_mut().spawn((sheet, BodySurface { drag: 2.0, ..default() })).id();
+    app.insert_resource(Wind::new(Vec3::Z * 6.0));
+    run(&mut app, 3.0);
+    let places = particles(&app, sheet);
+    let last = places[places.len() - 1] - places[places.len() - 2];
+    assert!(last.angle_between(Vec3::NEG_Y) > 0.15, "{places:?}");
 }
 
 /// The words of the only refusal, if there is one.
@@ -341,6 +413,24 @@ fn bones_that_cannot_be_cloth_are_refused_by_name() {
     told("roots", of(|cloth| cloth.roots.clear()));
     told("roots", of(|cloth| cloth.roots.push(cloth.roots[0])));
     told("roots", of(|cloth| cloth.roots.push(Entity::PLACEHOLDER)));
+    let of_two = |roots: fn(&[Entity]) -> [Entity; 2]| {
+        refusal(move |app| {
+            let (_, joints) = spawn_chain(app, Vec3::Y, 4);
+            let [first, second] = roots(&joints);
+            app.world_mut().spawn(BoneCloth::new([first]));
+            BoneCloth::new([second])
+        })
+    };
+    told("another chain", of_two(|joints| [joints[0], joints[0]]));
+    told("another chain", of_two(|joints| [joints[0], joints[2]]));
+    told("another chain", of_two(|joints| [joints[2], joints[0]]));
+    let on_another = refusal(|app| {
+        let (_, joints) = spawn_chain(app, Vec3::Y, 4);
+        let fork = spawn_chain_on(app, joints[1], Vec3::Y * 0.1, Vec3::Y, 3);
+        app.world_mut().spawn(BoneCloth::new([joints[0]]));
+        BoneCloth::new([fork[0]])
+    });
+    told("hangs on the joint", on_another);
     told("linear_density", of(|cloth| cloth.linear_density = 0.0));
     told("tip", of(|cloth| cloth.tip = Some(-1.0)));
     told("max_swing", of(|cloth| cloth.max_swing = 2.0 * PI));
@@ -352,7 +442,8 @@ fn bones_that_cannot_be_cloth_are_refused_by_name() {
         app.world_mut().get_mut::<Transform>(joints[1]).expect("a joint").translation = Vec3::ZERO;
         BoneCloth::new([joints[0]])
     });
-    told("particles 0 and 1", in_one_place);
+    // A child at the joint's own place is its mesh.
+    told("tip", in_one_place);
     let turned = refusal(|app| {
         let (head, joints) = spawn_chain(app, Vec3::Y, 2);
         app.world_mut().get_mut::<Transform>(head).expect("a head").rotation =

@@ -41,7 +41,6 @@ use crate::body::body_state::BodyState;
 use crate::body::particles::Particles;
 #[cfg(feature = "gpu")]
 use crate::body::{activity::Activity, on_gpu::OnGpu};
-use crate::bones::spring_bones::SpringBones;
 use crate::bones::springs::SwingingTails;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::environment::dynamic_obstacle::PlannedPlacement;
@@ -203,10 +202,11 @@ impl Shift {
 
     /// Moves the ends of spring bones. Those with a centre are in its coordinates.
     fn springs(&self, world: &mut World) {
-        each::<(&SpringBones, &mut SwingingTails), ()>(world, |(spring, mut tails)| {
-            if spring.center.is_none() {
-                tails.0.iter_mut().flatten().for_each(|tail| *tail = self.place(*tail));
+        each::<&mut SwingingTails, ()>(world, |mut tails| {
+            if tails.center.is_none() {
+                tails.ends.iter_mut().flatten().for_each(|tail| *tail = self.place(*tail));
             }
+            tails.head = self.place(tails.head);
         });
     }
 

@@ -105,7 +105,7 @@ impl Plugin for SolverPlugin {
                 TearPlugin { schedule },
                 LevelOfDetailPlugin,
                 WorldMotionPlugin,
-                BonePlugin,
+                BonePlugin { schedule },
             ))
             .add_plugins((WindPlugin, ObstaclePlugin, DynamicObstaclePlugin))
             .add_plugins((AttachmentPlugin, WinchPlugin, GrabPlugin, PressurePlugin, SleepPlugin))

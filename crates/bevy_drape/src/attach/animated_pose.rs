@@ -4,7 +4,9 @@ use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use drape_solver::Placement;
 
-use crate::rigid_motion::{between, placement};
+#[cfg(feature = "mesh")]
+use crate::rigid_motion::ahead;
+use crate::rigid_motion::placement;
 
 /// The pose that an animation gives to some particles of a body. Each particle follows a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
@@ -79,6 +81,7 @@ impl AnimatedPose {
     }
 
     /// Records the main joint after a step.
+    #[cfg(feature = "mesh")]
     pub fn record(&mut self) {
         let [_, before] = self.shown;
         let now = self.last.get(self.main).copied();
@@ -87,6 +90,7 @@ impl AnimatedPose {
 
     /// Returns the motion from the main joint as shown at `fraction` of the last step to the joint as it is now. Steps
     /// see an older pose than the one that the rest of the character is drawn in. None if both are the same.
+    #[cfg(feature = "mesh")]
     pub fn ahead<'a>(
         &self,
         fraction: f32,
@@ -95,10 +99,7 @@ impl AnimatedPose {
         let [Some(before), Some(after)] = self.shown else { return None };
         let place = place(*self.joints.get(self.main)?)?;
         let now = place.affine() * *self.inverse_bind_poses.get(self.main)?;
-        let [from, to] = [before, after].map(|pose| GlobalTransform::from(pose).compute_transform());
-        let shown = if before == after { after } else { between(&from, &to, fraction).compute_affine() };
-        let ahead = now * shown.inverse();
-        (now != shown && ahead.is_finite()).then_some(ahead)
+        ahead([before, after], fraction, now)
     }
 
     /// Returns the placement of the main joint in the last step.

@@ -17,7 +17,8 @@ use drape_solver::{BuildError, PoseDrive};
 /// ```
 ///
 /// Each chain goes from one of the [`roots`](Self::roots) down to its first child, and so on; children with an
-/// [`Obstacle`](crate::environment::obstacle::Obstacle) do not count. Lengths are those of the joints as they stand when it is built: in
+/// [`Obstacle`](crate::environment::obstacle::Obstacle) or a [`SpringCollider`](crate::bones::spring_bones::SpringCollider) do not count,
+/// nor do those at the joint's own place, such as meshes. A joint has one master, and a chain hangs on no other. Lengths are those of the joints as they stand when it is built: in
 /// the first step after it was inserted or changed. It touches obstacles, balls and, with self-contact, other bodies, as far as its
 /// [`BodySurface`](crate::body::surface::BodySurface) is thick, and the wind blows at it.
 ///
@@ -59,7 +60,7 @@ pub enum BoneWeave {
     Strands,
     /// Each chain to the next: a coat-tail, a curtain of beads.
     Sheet,
-    /// The same, and the last to the first: a skirt.
+    /// The same, and the last to the first: a skirt. Two chains are a sheet.
     Tube,
 }
 

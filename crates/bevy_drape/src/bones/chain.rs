@@ -95,11 +95,11 @@ impl PosedChains {
             let least = StickMaterial { bound: StickBound::AtLeast, ..rigid(StickKind::Bend) };
             builder.family_with_lengths(least, self.bend_limits(cloth.max_bend))?;
         }
-        if squares.is_empty() {
-            builder.segments(bones.iter().copied())?;
-        } else {
-            builder.faces(squares.iter().flat_map(|&[a, b, c, d]| [[a, c, b], [b, c, d]]))?;
-        }
+        builder.faces(squares.iter().flat_map(|&[a, b, c, d]| [[a, c, b], [b, c, d]]))?;
+        // Of strands, and of chains that are longer than those beside them.
+        let is_side =
+            |bone: &[u32; 2]| squares.iter().any(|&[a, b, c, d]| *bone == [a, c] || *bone == [b, d]);
+        builder.segments(bones.iter().copied().filter(|bone| !is_side(bone)))?;
         let ways = bones.iter().map(|&bone| (bone[0], bone[1], self.distance(bone)));
         builder.tethers(Tethers::geodesic(count, ways, &roots))?;
         let origin = self.positions.first().copied().unwrap_or_default().round();

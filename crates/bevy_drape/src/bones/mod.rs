@@ -33,4 +33,5 @@ pub(crate) mod swing;
 pub(crate) mod vrm;
 
 pub use bone_cloth::{BoneCloth, BoneWeave};
+pub use plugin::BoneSystems;
 pub use spring_bones::{SpringBones, SpringCollider, SpringJoint};

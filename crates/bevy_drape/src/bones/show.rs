@@ -1,8 +1,8 @@
 //! Turns joints so that their bones lie as they have been solved.
 //!
 //! ```text
-//!   First          joints get their animated rotations back
-//!   fixed steps    see the animated pose, by which pins, drives and limits go
+//!   First, step    joints get their animated rotations back
+//!   steps          see the animated pose, by which pins, drives and limits go
 //!   PostUpdate     animations write a new pose; then each joint, from the root on, is turned
 //!                  by the least turn that lays its bone along the line between two particles
 //! ```
@@ -10,17 +10,23 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use crate::attach::animated_pose::AnimatedPose;
 use crate::body::particles::Particles;
 use crate::bones::chain::BoneChain;
+use crate::rigid_motion::ahead;
 use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 
 /// Chains of joints, as they are shown.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct ShownBones {
-    chains: Vec<BoneChain>,
+    pub chains: Vec<BoneChain>,
+    /// The number of entities that the first joint hangs on: chains on joints of others are shown after these.
+    pub depth: usize,
     /// For each bone, the way from its joint to its end after the last two steps.
     ways: [Vec<Vec3>; 2],
+    /// The place of what the first chain hangs on, in the last two steps.
+    bases: [Affine3A; 2],
+    /// True if the bones have been recorded since the last run of the schedule.
+    is_fresh: bool,
     turned: Vec<TurnedJoint>,
 }
 
@@ -34,27 +40,55 @@ struct TurnedJoint {
 
 impl ShownBones {
     /// Chains that show their animated pose so far.
-    pub fn new(chains: Vec<BoneChain>) -> Self {
-        Self { chains, ways: default(), turned: Vec::new() }
+    pub fn new(chains: Vec<BoneChain>, parents: &Query<&ChildOf>) -> Self {
+        let root = chains.iter().find_map(|chain| chain.joints.first());
+        Self {
+            depth: root.map_or(0, |&root| parents.iter_ancestors(root).count()),
+            chains,
+            ways: default(),
+            bases: default(),
+            is_fresh: false,
+            turned: Vec::new(),
+        }
     }
 
-    /// Notes where the bones point after a step: all of one chain, then those of the next.
-    pub fn record(&mut self, bones: impl Iterator<Item = Vec3>) {
+    /// All joints that it turns.
+    pub fn joints(&self) -> impl Iterator<Item = Entity> {
+        self.chains.iter().flat_map(|chain| &chain.joints).copied()
+    }
+
+    /// Notes where the bones point after a step, all of one chain, then those of the next, and the place of what the first chain hangs on.
+    pub fn record(&mut self, base: Affine3A, bones: impl Iterator<Item = Vec3>) {
         let [before, now] = &mut self.ways;
         core::mem::swap(before, now);
         now.clear();
         now.extend(bones);
         if before.len() != now.len() {
             before.clone_from(now);
+            self.bases = [base; 2];
         }
+        self.bases = [self.bases[1], base];
+        self.is_fresh = true;
     }
 
-    /// Notes where the bones of a body point after a step.
-    fn record_body(&mut self, particles: &drape_solver::Particles) {
+    /// Notes where the bones of a body point after a step. Others may have put other particles in their place.
+    fn record_body(&mut self, base: Affine3A, particles: &drape_solver::Particles) {
         let chains = core::mem::take(&mut self.chains);
-        let joints = chains.iter().flat_map(|chain| chain.first..chain.first + chain.joints.len());
-        self.record(joints.map(|i| particles.position(i + 1) - particles.position(i)));
+        let count: usize = chains.iter().map(|chain| chain.joints.len() + 1).sum();
+        if count == particles.len() {
+            let joints = chains.iter().flat_map(|chain| chain.first..chain.first + chain.joints.len());
+            self.record(base, joints.map(|i| particles.local_position(i + 1) - particles.local_position(i)));
+        }
         self.chains = chains;
+    }
+
+    /// Ends a run of the schedule. What was not recorded since the last one has come to rest, or the clock stands.
+    fn finish(&mut self) {
+        let [before, now] = &mut self.ways;
+        if !core::mem::take(&mut self.is_fresh) {
+            before.clone_from(now);
+            self.bases[0] = self.bases[1];
+        }
     }
 
     /// Gives joints that nobody else has turned since their animated rotations back.
@@ -69,18 +103,22 @@ impl ShownBones {
     }
 }
 
-/// Records cloths of bones after a step.
-pub(crate) fn record_bones(mut bodies: Query<(Ref<Particles>, &mut ShownBones, &mut AnimatedPose)>) {
-    for (particles, mut shown, mut posed) in &mut bodies {
-        posed.record();
-        let [before, now] = &shown.ways;
-        if particles.is_changed() || before != now || now.is_empty() {
-            shown.record_body(&particles);
+/// Records all bones after a step, and settles those that were not solved.
+pub(crate) fn record_bones(
+    mut all: Query<(&mut ShownBones, Option<Ref<Particles>>)>,
+    parents: Query<&ChildOf>,
+    places: Query<&GlobalTransform>,
+) {
+    for (mut shown, particles) in &mut all {
+        if let Some(particles) = particles.filter(DetectChanges::is_changed) {
+            let base = base_of(&shown, &parents).and_then(|base| places.get(base).ok());
+            shown.record_body(base.map_or(Affine3A::IDENTITY, GlobalTransform::affine), &particles);
         }
+        shown.finish();
     }
 }
 
-/// Gives joints their animated rotations back, for the frame to come.
+/// Gives joints their animated rotations back, for the frame or the step to come.
 pub(crate) fn restore_bones(mut bodies: Query<&mut ShownBones>, mut joints: Query<&mut Transform>) {
     bodies.iter_mut().for_each(|mut shown| shown.restore(&mut joints));
 }
@@ -98,60 +136,68 @@ pub(crate) fn restore_lost_bones(
 
 /// Turns joints, after animations and before transforms are propagated.
 pub(crate) fn show_bones(
-    mut bodies: Query<(&mut ShownBones, Option<&AnimatedPose>)>,
+    mut bodies: Query<(Entity, &mut ShownBones)>,
     mut joints: Query<&mut Transform>,
     parents: Query<&ChildOf>,
     between: Res<ShowsBetweenSteps>,
     time: Option<Res<Time<Fixed>>>,
+    mut order: Local<Vec<(usize, Entity)>>,
 ) {
     let fraction = if between.0 { step_fraction(time.as_deref()) } else { 1.0 };
-    for (mut shown, posed) in &mut bodies {
-        let ShownBones { chains, ways: [before, now], turned: all } = &mut *shown;
-        let ahead = posed.and_then(|posed| {
-            // Steps see an older pose than the one that the rest of the character is drawn in.
-            let main = place_below(
-                *posed.joints.get(posed.main)?,
-                None,
-                |at| joints.get(at).ok().copied(),
-                &parents,
-            );
-            let main = GlobalTransform::from(main);
-            posed.ahead(fraction, |_| Some(&main))
-        });
-        let ahead = ahead.unwrap_or(Affine3A::IDENTITY);
-        let mut ways = before.iter().zip(&*now).map(|(before, now)| before.lerp(*now, fraction));
-        for chain in &*chains {
-            let above = |joint: Option<&Entity>, below: Option<Entity>, joints: &Query<&mut Transform>| {
-                let parent = joint.and_then(|&joint| parents.get(joint).ok());
-                parent.map_or(Affine3A::IDENTITY, |parent| {
-                    place_below(parent.parent(), below, |at| joints.get(at).ok().copied(), &parents)
-                })
-            };
-            let mut parent = above(chain.joints.first(), None, &joints);
-            for (index, &joint) in chain.joints.iter().enumerate() {
-                let Some(way) = ways.next() else { break };
-                let next = chain.joints.get(index + 1);
-                let end = next.map_or(chain.tip, |&next| {
-                    place_below(next, Some(joint), |at| joints.get(at).ok().copied(), &parents)
-                        .translation
-                        .into()
-                });
-                let between = above(next, Some(joint), &joints);
-                let Ok(mut transform) = joints.get_mut(joint) else { continue };
-                let animated = transform.rotation;
-                if let Some(shown) = turned(&parent, &transform, end, ahead.transform_vector3(way)) {
-                    transform.rotation = shown;
-                    all.push(TurnedJoint { joint, animated, shown });
-                }
-                parent *= transform.compute_affine() * between;
+    order.clear();
+    order.extend(bodies.iter().map(|(entity, shown)| (shown.depth, entity)));
+    order.sort_unstable();
+    for (_, entity) in order.drain(..) {
+        let Ok((_, mut shown)) = bodies.get_mut(entity) else { continue };
+        show(&mut shown, &mut joints, &parents, fraction);
+    }
+}
+
+fn show(
+    shown: &mut ShownBones,
+    joints: &mut Query<&mut Transform>,
+    parents: &Query<&ChildOf>,
+    fraction: f32,
+) {
+    let place = |joints: &Query<&mut Transform>, entity, below| {
+        place_below(entity, below, |at| joints.get(at).ok().copied(), parents)
+    };
+    // The place of the entity that a joint hangs on.
+    let above = |joints: &Query<&mut Transform>, joint: Option<&Entity>, below| {
+        let parent = joint.and_then(|&joint| parents.get(joint).ok());
+        parent.map_or(Affine3A::IDENTITY, |parent| place(joints, parent.parent(), below))
+    };
+    // Steps see an older pose than the one that the rest of the character is drawn in.
+    let now = base_of(shown, parents).map_or(Affine3A::IDENTITY, |base| place(joints, base, None));
+    let ahead = ahead(shown.bases, fraction, now).unwrap_or(Affine3A::IDENTITY);
+    let ShownBones { chains, ways: [before, now], turned, .. } = shown;
+    let mut ways = before.iter().zip(&*now).map(|(before, now)| before.lerp(*now, fraction));
+    for chain in &*chains {
+        let mut parent = above(joints, chain.joints.first(), None);
+        for (index, &joint) in chain.joints.iter().enumerate() {
+            let Some(way) = ways.next() else { break };
+            let next = chain.joints.get(index + 1);
+            let end = next.map_or(chain.tip, |&next| place(joints, next, Some(joint)).translation.into());
+            let between = above(joints, next, Some(joint));
+            let Ok(mut transform) = joints.get_mut(joint) else { continue };
+            let animated = transform.rotation;
+            if let Some(shown) = aimed(&parent, &transform, end, ahead.transform_vector3(way)) {
+                transform.rotation = shown;
+                turned.push(TurnedJoint { joint, animated, shown });
             }
+            parent *= transform.compute_affine() * between;
         }
     }
 }
 
+/// The entity that the first chain hangs on.
+fn base_of(shown: &ShownBones, parents: &Query<&ChildOf>) -> Option<Entity> {
+    shown.joints().next().and_then(|root| parents.get(root).ok()).map(ChildOf::parent)
+}
+
 /// The rotation of a joint of this transform, on `parent`, whose bone ends at `end` in its coordinates, that lays the bone along `way` in
 /// the world by the least turn. None if one of them has no length.
-pub(crate) fn turned(parent: &Affine3A, transform: &Transform, end: Vec3, way: Vec3) -> Option<Quat> {
+pub(crate) fn aimed(parent: &Affine3A, transform: &Transform, end: Vec3, way: Vec3) -> Option<Quat> {
     let bone = (transform.rotation * (transform.scale * end)).try_normalize()?;
     let wanted = parent.inverse().transform_vector3(way).try_normalize()?;
     Some((Quat::from_rotation_arc(bone, wanted) * transform.rotation).normalize())
@@ -169,4 +215,19 @@ pub(crate) fn place_below(
     all.take_while(|&at| Some(at) != below)
         .filter_map(transform)
         .fold(Affine3A::IDENTITY, |place, transform| transform.compute_affine() * place)
+}
+
+/// A joint of `joints` that another chain turns already; each joint has one master.
+pub(crate) fn find_taken(
+    joints: impl Iterator<Item = Entity>,
+    by: Entity,
+    shown: &Query<(Entity, &ShownBones)>,
+    claimed: &[Entity],
+) -> Option<Entity> {
+    let mut joints = joints;
+    joints.find(|joint| {
+        let is_of_other =
+            |(other, chains): (Entity, &ShownBones)| other != by && chains.joints().any(|of| of == *joint);
+        claimed.contains(joint) || shown.iter().any(is_of_other)
+    })
 }

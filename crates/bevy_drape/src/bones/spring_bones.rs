@@ -10,10 +10,11 @@ use drape_solver::error::in_range;
 /// bone): what avatars bring along. It touches its own [colliders](SpringCollider) only, and is not part of the solver;
 /// [`BoneCloth`](crate::bones::bone_cloth::BoneCloth) is, and so touches everything.
 ///
-/// With the feature `gltf`, files that have the extension bring it and its colliders along. Forces count by the step, as in the
-/// specification: tune them at the rate of your fixed steps.
+/// With the feature `gltf`, files that have the extension bring it and its colliders along.
 ///
-/// Joints show the result as those of a `BoneCloth` do.
+/// Where the specification has frames, here are steps: forces and drag count by the step, so tune them at the rate of your fixed steps. Where
+/// it has the pose of the file, here is the animated one. A chain that hangs on a joint of another swings after it. Joints show the result
+/// as those of a `BoneCloth` do. [`TeleportCloth`](crate::attach::TeleportCloth) and jumps begin the swing anew.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SpringBones {

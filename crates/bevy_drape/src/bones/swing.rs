@@ -14,12 +14,12 @@ pub(crate) struct PlacedCollider {
 
 impl PlacedCollider {
     /// Places a collider.
-    pub fn new(collider: &SpringCollider, place: &GlobalTransform) -> Self {
-        let ends = [Vec3::ZERO, collider.tail].map(|end| place.transform_point(end));
-        Self { ends, radius: collider.radius }
+    pub fn new(collider: &SpringCollider, place: &Affine3A) -> Self {
+        let ends = [Vec3::ZERO, collider.tail].map(|end| place.transform_point3(end));
+        Self { ends, radius: collider.radius.max(0.0) }
     }
 
-    /// Where a ball of `radius` at `tail` is pushed to, if it is in the collider.
+    /// The place that a ball of `radius` at `tail` is pushed to; none if it is outside.
     fn push(&self, tail: Vec3, radius: f32) -> Option<Vec3> {
         let [start, end] = self.ends;
         let axis = end - start;
@@ -41,27 +41,27 @@ pub(crate) struct Bone {
 }
 
 impl Bone {
-    /// Takes the end of the bone through a step of `dt` seconds. `tails` are its places after the last two steps, in the coordinates of
-    /// `center`. Returns the new place in the world.
+    /// Takes the end of the bone through a step of `dt` seconds. `tails` are its places after the last two steps, in coordinates that one
+    /// map takes to the world and the other back. Returns the new place in the world.
     pub fn swing(
         &self,
         tails: &mut [Vec3; 2],
-        center: &Affine3A,
+        [to_world, to_center]: [&Affine3A; 2],
         joint: &SpringJoint,
         colliders: &[PlacedCollider],
         dt: f32,
     ) -> Vec3 {
         let [before, now] = *tails;
-        let inertia = center.transform_vector3(now - before) * (1.0 - joint.drag_force);
+        let inertia = to_world.transform_vector3(now - before) * (1.0 - joint.drag_force);
         let stiffness = self.rest.normalize_or_zero() * (joint.stiffness * dt);
         let external = joint.gravity_dir * (joint.gravity_power * dt);
-        let mut next = self.at_length(center.transform_point3(now) + inertia + stiffness + external);
+        let mut next = self.at_length(to_world.transform_point3(now) + inertia + stiffness + external);
         for collider in colliders {
             if let Some(pushed) = collider.push(next, joint.hit_radius) {
                 next = self.at_length(pushed);
             }
         }
-        *tails = [now, center.inverse().transform_point3(next)];
+        *tails = [now, to_center.transform_point3(next)];
         next
     }
 

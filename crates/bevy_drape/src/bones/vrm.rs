@@ -19,7 +19,11 @@ pub(crate) struct VrmPlugin;
 impl Plugin for VrmPlugin {
     fn build(&self, app: &mut App) {
         let handlers = app.world_mut().get_resource_or_init::<GltfExtensionHandlers>();
-        handlers.0.write_blocking().push(Box::new(SpringBoneReader::default()));
+        // Nothing is loaded yet; browsers cannot wait.
+        match handlers.0.try_write() {
+            Some(mut handlers) => handlers.push(Box::new(SpringBoneReader::default())),
+            None => error!("{EXTENSION} is not read: a file is being loaded already"),
+        }
     }
 }
 
@@ -77,6 +81,11 @@ fn spawn(
         let node = node.ok_or_else(|| format!("`{field}` must be the number of a node: {value}"))?;
         nodes.get(&(node as usize)).copied().ok_or_else(|| format!("there is no node {node} in the scene"))
     };
+    let is_here = |joint: &Value| node_of(joint, "node").is_ok();
+    if !array(extension, "springs").iter().flat_map(|spring| array(spring, "joints")).any(is_here) {
+        // Another scene of the file has them.
+        return Ok(());
+    }
     // All that is wrong is found before anything is spawned.
     let colliders = array(extension, "colliders").iter().map(|collider| {
         let shape = read_collider(collider);
@@ -92,9 +101,15 @@ fn spawn(
             .collect::<Result<_, String>>()?;
         let center = spring.get("center").map(|_| node_of(spring, "center")).transpose()?;
         let name = spring.get("name").and_then(Value::as_str).unwrap_or("spring").to_string();
-        let groups = indices(spring, "colliderGroups");
-        let groups = groups.filter_map(|group| array(extension, "colliderGroups").get(group));
-        let touched: Vec<usize> = groups.flat_map(|group| indices(group, "colliders")).collect();
+        let mut touched = Vec::new();
+        for group in indices(spring, "colliderGroups") {
+            let group = array(extension, "colliderGroups").get(group);
+            let group = group.ok_or("a spring names a group of colliders that does not exist")?;
+            touched.extend(indices(group, "colliders"));
+        }
+        if touched.iter().any(|&collider| collider >= colliders.len()) {
+            return Err("a group names a collider that does not exist".to_string());
+        }
         Ok((name, joints, center, touched))
     });
     let springs: Vec<(String, Vec<SpringJoint>, Option<Entity>, Vec<usize>)> =

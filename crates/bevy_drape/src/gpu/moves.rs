@@ -107,7 +107,9 @@ pub(crate) fn move_to_gpu(
             || components.contains::<Rope>()
             || components.contains::<SoftBall>();
         let reason = match component_of_processor(components) {
-            Some("AnimatedPose") => "its mesh has a skin, or painted limits, backstops or drives".to_string(),
+            Some("AnimatedPose") => {
+                "it follows joints, or has painted limits, backstops or drives".to_string()
+            }
             Some(name) => format!("the GPU does not know its {name}"),
             None if !is_known => {
                 "the GPU knows no bodies but Cloth, ClothMesh, Rope and SoftBall".to_string()

@@ -23,7 +23,8 @@ use crate::transform::interpolation::Interpolated;
 /// Marks an entity whose [`Transform`] is set once a frame, by an animation or in `Update`. Instead of a jump, the
 /// fixed steps of a frame see it interpolated between the last two frames. After the steps the transform is restored.
 ///
-/// The joints of a skinned [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) get it automatically. Add it
+/// The joints of a skinned [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) get it automatically, and so do those of a
+/// [`BoneCloth`](crate::bones::BoneCloth) or of [`SpringBones`](crate::bones::SpringBones) and all that they hang on. Add it
 /// to the character's root too if that moves in `Update`. Motion faster than 100 m/s is not interpolated, and neither
 /// is any motion while a [`TeleportCloth`] waits. Transforms that are set in the fixed loop, and [`Interpolated`] ones,
 /// are left alone.
@@ -32,10 +33,12 @@ use crate::transform::interpolation::Interpolated;
 #[require(Transform, FramePoses)]
 pub struct MovedByFrame;
 
-/// Marks an entity and all that it hangs on.
+/// Marks an entity, if it is there, and all that it hangs on.
 pub(crate) fn move_by_frames(commands: &mut Commands, entity: Entity, parents: &Query<&ChildOf>) {
     for entity in core::iter::once(entity).chain(parents.iter_ancestors(entity)) {
-        commands.entity(entity).insert_if_new(MovedByFrame);
+        if let Ok(mut entity) = commands.get_entity(entity) {
+            entity.insert_if_new(MovedByFrame);
+        }
     }
 }
 
