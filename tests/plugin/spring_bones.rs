@@ -292,16 +292,22 @@ fn distance(avatar: &Avatar, other: &Avatar, origin: Vec3) -> f32 {
 /// A chain on the end of another is as one with it, whichever was spawned first.
 #[test]
 fn chains_that_hang_on_others_swing_after_them() {
-    let [mut whole, mut parted] = [avatar(false, true), avatar(false, true)];
-    let SpringBones { joints, colliders, .. } =
-        parted.app.world().get::<SpringBones>(parted.springs).expect("springs").clone();
-    let lower = SpringBones { joints: joints[2..].to_vec(), colliders: colliders.clone(), center: None };
-    *parted.app.world_mut().get_mut::<SpringBones>(parted.springs).expect("springs") = lower;
-    parted.app.world_mut().spawn(SpringBones { joints: joints[..3].to_vec(), colliders, center: None });
-    for frame in 0..100 {
-        step(&mut whole.app, 1);
-        step(&mut parted.app, 1);
-        assert!(distance(&whole, &parted, Vec3::ZERO) < 1e-5, "frame {frame}");
+    for upper_first in [true, false] {
+        let [mut whole, mut parted] = [avatar(false, true), avatar(false, true)];
+        let springs = parted.app.world().get::<SpringBones>(parted.springs).expect("springs").clone();
+        let part = |joints: &[SpringJoint]| SpringBones { joints: joints.to_vec(), ..springs.clone() };
+        let mut parts = [part(&springs.joints[..3]), part(&springs.joints[2..])];
+        if !upper_first {
+            parts.reverse();
+        }
+        let [first, second] = parts;
+        *parted.app.world_mut().get_mut::<SpringBones>(parted.springs).expect("springs") = first;
+        parted.app.world_mut().spawn(second);
+        for frame in 0..100 {
+            step(&mut whole.app, 1);
+            step(&mut parted.app, 1);
+            assert!(distance(&whole, &parted, Vec3::ZERO) < 1e-5, "frame {frame}, {upper_first}");
+        }
     }
 }
 
