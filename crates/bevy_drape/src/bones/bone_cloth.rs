@@ -18,9 +18,11 @@ use drape_solver::{BuildError, PoseDrive};
 ///
 /// Each chain goes from one of the [`roots`](Self::roots) down to its first child, and so on; children with an
 /// [`Obstacle`](crate::environment::obstacle::Obstacle) or a [`SpringCollider`](crate::bones::spring_bones::SpringCollider) do not count,
-/// nor do those at the joint's own place, such as meshes. A joint has one master, and a chain hangs on no other. Lengths are those of the joints as they stand when it is built: in
-/// the first step after it was inserted or changed. It touches obstacles, balls and, with self-contact, other bodies, as far as its
-/// [`BodySurface`](crate::body::surface::BodySurface) is thick, and the wind blows at it.
+/// nor do those at the joint's own place, such as meshes. A joint is in one chain only, and a chain hangs on no other.
+///
+/// Lengths are those of the joints as they stand when it is built: in the first step after it was inserted or changed. It touches
+/// obstacles, balls and, with self-contact, other bodies, as far as its [`BodySurface`](crate::body::surface::BodySurface) is thick, and
+/// the wind blows at it. It does not tear.
 ///
 /// Joints show the result from `PostUpdate` on; until then, in each frame, they have their animated transforms. They and all that
 /// they hang on get a [`MovedByFrame`](crate::transform::moved_by_frame::MovedByFrame). Only rotations are written, so that bones keep
