@@ -1,15 +1,14 @@
 //! Spring bones that come with glTF files (`VRMC_springBone` 1.0).
 
 use std::path::PathBuf;
-use std::time::Duration;
 
-use bevy::gltf::GltfPlugin;
+use bevy::gltf::GltfAssetLabel;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::bones::{SpringBones, SpringCollider, SpringJoint};
 use bevy_drape::prelude::*;
+use drape_examples::view::gltf_files::{GltfFilePlugins, wait_for_files};
 use serde_json::{Value, json};
 
 /// A head on hips, with a chain of hair, and this extension.
@@ -60,24 +59,16 @@ fn spawn(name: &str, extension: Value) -> (App, Entity) {
     let mut app = App::new();
     let assets = AssetPlugin { file_path: folder.to_string_lossy().into_owned(), ..default() };
     app.add_plugins((MinimalPlugins, assets, TransformPlugin, MeshPlugin, ImagePlugin::default()))
-        .add_plugins((WorldSerializationPlugin, GltfPlugin::default(), AnimationPlugin))
+        .add_plugins((GltfFilePlugins, AnimationPlugin))
         .add_plugins(DrapePlugins::default())
         .insert_resource(Time::<Fixed>::from_seconds(1.0 / 60.0))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.finish();
     app.cleanup();
-    let file: Handle<Gltf> = app.world().resource::<AssetServer>().load(path);
-    while !app.world().resource::<Assets<Gltf>>().contains(&file) {
-        let state = app.world().resource::<AssetServer>().load_state(&file);
-        assert!(!state.is_failed(), "{state:?}");
-        std::thread::sleep(Duration::from_millis(1));
-        app.update();
-    }
-    let scene = app.world().resource::<Assets<Gltf>>().get(&file).expect("loaded").scenes[0].clone();
+    let scene = app.world().resource::<AssetServer>().load(GltfAssetLabel::Scene(0).from_asset(path));
     let root = app.world_mut().spawn(WorldAssetRoot(scene)).id();
-    for _ in 0..10 {
-        app.update();
-    }
+    wait_for_files(&mut app).expect("a scene");
+    app.update();
     assert!(named(&mut app, "hair end").is_some(), "the scene is there");
     (app, root)
 }

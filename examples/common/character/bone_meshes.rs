@@ -4,13 +4,13 @@ use core::f32::consts::TAU;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
+use bevy::ecs::system::RunSystemOnce;
 use bevy::math::Affine3A;
-use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
 use crate::character::gltf_file::figure;
-use crate::character::skeleton::inverse_bind_poses;
+use crate::character::skeleton::{inverse_bind_poses, skinned};
 
 /// Vertices of a tail all the way round.
 const ROUND: usize = 12;
@@ -72,17 +72,12 @@ pub fn spawn_figure(world: &mut World, joints: &[Entity], bundle: impl Bundle) {
 }
 
 /// The places of joints, whose global transforms do not exist yet.
-fn places(world: &World, joints: &[Entity]) -> Vec<Affine3A> {
-    let place = |joint: &Entity| {
-        let mut place = Affine3A::IDENTITY;
-        let mut at = Some(*joint);
-        while let Some(entity) = at {
-            place = world.get::<Transform>(entity).map(Transform::compute_affine).unwrap_or_default() * place;
-            at = world.get::<ChildOf>(entity).map(ChildOf::parent);
-        }
-        place
+fn places(world: &mut World, joints: &[Entity]) -> Vec<Affine3A> {
+    let place = |In(joints): In<Vec<Entity>>, transforms: TransformHelper| {
+        let place = |joint| transforms.compute_global_transform(joint).unwrap_or_default().affine();
+        joints.into_iter().map(place).collect::<Vec<_>>()
     };
-    joints.iter().map(place).collect()
+    world.run_system_once_with(place, joints.to_vec()).unwrap_or_default()
 }
 
 /// Length of the bones of a chain.
@@ -126,12 +121,7 @@ fn spawn(
 
 /// Spawns a skinned mesh.
 fn skin(world: &mut World, joints: &[Entity], mesh: Mesh, poses: Vec<Mat4>, bundle: impl Bundle) {
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let mut all = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
-    let skin = SkinnedMesh {
-        inverse_bindposes: all.add(SkinnedMeshInverseBindposes::from(poses)),
-        joints: joints.to_vec(),
-    };
+    let skinned = skinned(world, mesh, joints, poses);
     // The box of the mesh is that of its first pose.
-    world.spawn((Mesh3d(mesh), skin, NoFrustumCulling, Transform::default(), bundle));
+    world.spawn((skinned, NoFrustumCulling, Transform::default(), bundle));
 }

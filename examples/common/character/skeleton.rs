@@ -1,5 +1,6 @@
 //! Ten joints and the capsules on their bones.
 
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
 /// Name, parent, place in the parent's coordinates, and the capsule: radius, length, middle.
@@ -44,4 +45,17 @@ pub fn capsule(joint: usize) -> (f32, f32, Vec3) {
 /// The matrices from the mesh's coordinates to each joint's.
 pub fn inverse_bind_poses() -> Vec<Mat4> {
     (0..BONES.len()).map(|joint| Mat4::from_translation(-bind_place(joint))).collect()
+}
+
+/// A mesh that these joints move, from a pose of which `poses` are the inverses.
+pub(super) fn skinned(
+    world: &mut World,
+    mesh: Mesh,
+    joints: &[Entity],
+    poses: Vec<Mat4>,
+) -> (Mesh3d, SkinnedMesh) {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+    let poses = SkinnedMeshInverseBindposes::from(poses);
+    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
+    (Mesh3d(mesh), SkinnedMesh { inverse_bindposes, joints: joints.to_vec() })
 }

@@ -2,13 +2,14 @@
 
 use core::f32::consts::{PI, TAU};
 
-use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::transform::MovedByFrame;
 
 use crate::character::cape_mesh::{cape, cape_mesh};
-use crate::character::skeleton::{ARMS, BONES, CHEST, HIPS, SHINS, SPINE, THIGHS, inverse_bind_poses};
+use crate::character::skeleton::{
+    ARMS, BONES, CHEST, HIPS, SHINS, SPINE, THIGHS, inverse_bind_poses, skinned,
+};
 
 /// Length of the animation in seconds.
 pub const WALK: f32 = 30.0;
@@ -37,11 +38,8 @@ pub struct Character {
 /// Spawns a character with a cape, which has `bundle` besides.
 pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
     let mut character = spawn_figure(world);
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
-    let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
-    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
-    let skin = SkinnedMesh { inverse_bindposes, joints: character.joints.clone() };
-    character.cape = world.spawn((Mesh3d(mesh), skin, cape(), ChildOf(character.root), bundle)).id();
+    let skinned = skinned(world, cape_mesh(), &character.joints, inverse_bind_poses());
+    character.cape = world.spawn((skinned, cape(), ChildOf(character.root), bundle)).id();
     character
 }
 

@@ -10,7 +10,7 @@ use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::tearable::Untearable;
 use crate::bones::bone_cloth::BoneCloth;
 use crate::bones::chain::{BoneChain, PosedChains};
-use crate::bones::show::{ShownBones, find_taken};
+use crate::bones::show::{ShownBones, claim, find_taken};
 use crate::bones::spring_bones::SpringCollider;
 use crate::build::description::{insert_body, remove_body};
 use crate::change_detection::collect_changed;
@@ -43,11 +43,9 @@ pub(crate) fn build_bone_cloths(
     for entity in to_build.drain(..) {
         let Ok((cloth, transform)) = cloths.get(entity) else { continue };
         let built = pose(cloth, &children, &places).and_then(|posed| {
-            let joints = || posed.chains.iter().flat_map(|chain| &chain.joints).copied();
-            if let Some(taken) = find_taken(joints(), entity, &shown, &claimed) {
-                return Err(format!("the joint {taken} is in another chain already").into());
+            for chain in &posed.chains {
+                claim(&chain.joints, (entity, "roots"), &shown, &mut claimed)?;
             }
-            claimed.extend(joints());
             let above = posed.chains.iter().flat_map(|chain| parents.iter_ancestors(chain.joints[0]));
             if let Some(above) = find_taken(above, entity, &shown, &claimed) {
                 return Err(format!(
@@ -97,9 +95,6 @@ fn pose(cloth: &BoneCloth, children: &Query<&Children>, places: &Joints) -> Resu
             .into());
         }
         let joints: Vec<Entity> = successors(Some(root), next).collect();
-        if posed.chains.iter().flat_map(|chain| &chain.joints).any(|joint| joints.contains(joint)) {
-            return Err(format!("the joint {root} in `roots` is in another chain already").into());
-        }
         let stand: Vec<GlobalTransform> =
             joints.iter().filter_map(|&joint| places.get(joint).ok().copied()).collect();
         if let Some(place) = stand.iter().position(|place| !place.affine().is_finite()) {
@@ -145,8 +140,7 @@ fn animated_pose(chains: &[BoneChain], main: Option<Entity>, places: &Joints) ->
     Ok(posed)
 }
 
-/// Removes the body from an entity that loses its [`BoneCloth`].
+/// Removes everything but the body from an entity that loses its [`BoneCloth`].
 pub(crate) fn remove_bone_cloth(removed: On<Remove<BoneCloth>>, mut commands: Commands) {
-    remove_body(&mut commands, removed.entity);
     commands.entity(removed.entity).try_remove::<Parts>();
 }

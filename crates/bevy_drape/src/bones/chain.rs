@@ -23,13 +23,6 @@ pub(crate) struct BoneChain {
     pub first: usize,
 }
 
-impl BoneChain {
-    /// The indices of its particles.
-    fn particles(&self) -> core::ops::RangeInclusive<usize> {
-        self.first..=self.first + self.joints.len()
-    }
-}
-
 /// The chains of a cloth of bones, in a pose.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PosedChains {
@@ -116,7 +109,7 @@ impl PosedChains {
     ) -> Result<(), BuildError> {
         for chain in &self.chains {
             let root = self.positions[chain.first];
-            for i in chain.particles().skip(1) {
+            for i in chain.first + 1..=chain.first + chain.joints.len() {
                 let place = self.positions[i];
                 particles.set_pose_drive(i, place, cloth.drive())?;
                 if cloth.max_swing < PI {

@@ -11,6 +11,7 @@ use crate::bones::build::{build_bone_cloths, remove_bone_cloth};
 use crate::bones::show::{ShownBones, record_bones, restore_bones, restore_lost_bones, show_bones};
 use crate::bones::spring_bones::{SpringBones, SpringCollider, SpringJoint};
 use crate::bones::springs::{prepare_springs, remove_springs, swing_springs};
+use crate::build::description::remove_described_body;
 use crate::refusal::forget_removed;
 use crate::schedule::{DrapeSchedule, DrapeStep, DrapeSystems, FinishPhase, ScenePhase};
 use crate::step::run::run_drape_schedule;
@@ -33,6 +34,7 @@ pub(crate) struct BonePlugin {
 impl Plugin for BonePlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<(BoneCloth, BoneWeave, SpringBones, SpringJoint, SpringCollider)>()
+            .add_observer(remove_described_body::<BoneCloth>)
             .add_observer(remove_bone_cloth)
             .add_observer(remove_springs)
             .add_observer(restore_lost_bones)

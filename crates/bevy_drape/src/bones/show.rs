@@ -159,26 +159,23 @@ fn show(
     parents: &Query<&ChildOf>,
     fraction: f32,
 ) {
-    let place = |joints: &Query<&mut Transform>, entity, below| {
-        place_below(entity, below, |at| joints.get(at).ok().copied(), parents)
-    };
-    // The place of the entity that a joint hangs on.
-    let above = |joints: &Query<&mut Transform>, joint: Option<&Entity>, below| {
-        let parent = joint.and_then(|&joint| parents.get(joint).ok());
-        parent.map_or(Affine3A::IDENTITY, |parent| place(joints, parent.parent(), below))
+    let place = |joints: &Query<&mut Transform>, entity: Entity| {
+        place_below(entity, None, |at| joints.get(at).ok().copied(), parents)
     };
     // Steps see an older pose than the one that the rest of the character is drawn in.
-    let now = base_of(shown, parents).map_or(Affine3A::IDENTITY, |base| place(joints, base, None));
+    let now = base_of(shown, parents).map_or(Affine3A::IDENTITY, |base| place(joints, base));
     let ahead = ahead(shown.bases, fraction, now).unwrap_or(Affine3A::IDENTITY);
     let ShownBones { chains, ways: [before, now], turned, .. } = shown;
     let mut ways = before.iter().zip(&*now).map(|(before, now)| before.lerp(*now, fraction));
     for chain in &*chains {
-        let mut parent = above(joints, chain.joints.first(), None);
+        let base = chain.joints.first().and_then(|&root| parents.get(root).ok());
+        let mut parent = base.map_or(Affine3A::IDENTITY, |base| place(joints, base.parent()));
         for (index, &joint) in chain.joints.iter().enumerate() {
             let Some(way) = ways.next() else { break };
-            let next = chain.joints.get(index + 1);
-            let end = next.map_or(chain.tip, |&next| place(joints, next, Some(joint)).translation.into());
-            let between = above(joints, next, Some(joint));
+            let (between, end) = match chain.joints.get(index + 1) {
+                Some(&next) => link(joint, next, |at| joints.get(at).ok().copied(), parents),
+                None => (Affine3A::IDENTITY, chain.tip),
+            };
             let Ok(mut transform) = joints.get_mut(joint) else { continue };
             let animated = transform.rotation;
             if let Some(shown) = aimed(&parent, &transform, end, ahead.transform_vector3(way)) {
@@ -217,14 +214,43 @@ pub(crate) fn place_below(
         .fold(Affine3A::IDENTITY, |place, transform| transform.compute_affine() * place)
 }
 
-/// A joint of `joints` that another chain turns already; each joint has one master.
+/// What `next` hangs on, and its end, in the coordinates of the joint above it in a chain: others may lie between the two.
+pub(crate) fn link(
+    joint: Entity,
+    next: Entity,
+    transform: impl Fn(Entity) -> Option<Transform>,
+    parents: &Query<&ChildOf>,
+) -> (Affine3A, Vec3) {
+    let above = parents.get(next).map_or(joint, ChildOf::parent);
+    let end = transform(next).unwrap_or_default().translation;
+    let between = place_below(above, Some(joint), transform, parents);
+    (between, between.transform_point3(end))
+}
+
+/// Claims joints for a chain of the component `by`. Each joint has one master.
+///
+/// # Errors
+/// A sentence about the `field` that names a joint of another chain.
+pub(crate) fn claim(
+    joints: &[Entity],
+    (by, field): (Entity, &str),
+    shown: &Query<(Entity, &ShownBones)>,
+    claimed: &mut Vec<Entity>,
+) -> Result<(), String> {
+    if let Some(taken) = find_taken(joints.iter().copied(), by, shown, claimed) {
+        return Err(format!("the joint {taken} of `{field}` is in another chain already"));
+    }
+    claimed.extend(joints);
+    Ok(())
+}
+
+/// A joint of `joints` that a chain of another component than `by` turns, or that is claimed.
 pub(crate) fn find_taken(
-    joints: impl Iterator<Item = Entity>,
+    mut joints: impl Iterator<Item = Entity>,
     by: Entity,
     shown: &Query<(Entity, &ShownBones)>,
     claimed: &[Entity],
 ) -> Option<Entity> {
-    let mut joints = joints;
     joints.find(|joint| {
         let is_of_other =
             |(other, chains): (Entity, &ShownBones)| other != by && chains.joints().any(|of| of == *joint);

@@ -7,7 +7,7 @@ use drape_solver::constants::TELEPORT_SPEED;
 
 use crate::attach::world_motion::TeleportCloth;
 use crate::bones::chain::BoneChain;
-use crate::bones::show::{ShownBones, aimed, find_taken, place_below};
+use crate::bones::show::{ShownBones, aimed, claim, link, place_below};
 use crate::bones::spring_bones::{SpringBones, SpringCollider, SpringJoint};
 use crate::bones::swing::{Bone, PlacedCollider};
 use crate::change_detection::collect_changed;
@@ -26,6 +26,9 @@ pub(crate) struct SwingingTails {
     pub head: Vec3,
 }
 
+/// The components of a spring that swings.
+type Parts = (ShownBones, SwingingTails);
+
 /// Checks springs that were inserted or changed since the last step, and lets them swing. New numbers leave them as they swing.
 pub(crate) fn prepare_springs(
     mut commands: Commands,
@@ -43,17 +46,12 @@ pub(crate) fn prepare_springs(
     for entity in found.drain(..) {
         let Ok(spring) = springs.get(entity) else { continue };
         let chain = chain(spring, &transforms, &parents).and_then(|chain| {
-            match find_taken(chain.joints.iter().copied(), entity, &shown, &claimed) {
-                Some(taken) => {
-                    Err(format!("the joint {taken} in `joints` is in another chain already").into())
-                }
-                None => Ok(chain),
-            }
+            claim(&chain.joints, (entity, "joints"), &shown, &mut claimed)?;
+            Ok(chain)
         });
         match chain {
             Ok(chain) => {
                 refusals.forget(entity);
-                claimed.extend(&chain.joints);
                 let of_frames = chain.joints.iter().chain(&spring.colliders).chain(&spring.center);
                 of_frames.for_each(|&joint| move_by_frames(&mut commands, joint, &parents));
                 let is_known =
@@ -65,7 +63,7 @@ pub(crate) fn prepare_springs(
             }
             Err(reason) => {
                 refusals.entity(entity, "SpringBones", reason);
-                commands.entity(entity).try_remove::<(ShownBones, SwingingTails)>();
+                commands.entity(entity).try_remove::<Parts>();
             }
         }
     }
@@ -89,9 +87,9 @@ fn chain(
             return Err(format!("the joint {below} in `joints` does not hang on {above}").into());
         }
     }
-    let tip = place_below(tail.joint, Some(last.joint), |joint| transforms.get(joint).ok().copied(), parents);
+    let (_, tip) = link(last.joint, tail.joint, |joint| transforms.get(joint).ok().copied(), parents);
     let joints = joints.iter().map(|joint| joint.joint).collect();
-    Ok(BoneChain { joints, tip: tip.translation.into(), first: 0 })
+    Ok(BoneChain { joints, tip, first: 0 })
 }
 
 /// Takes all springs through a step, those that hang on others after these, and each from its root on.
@@ -152,17 +150,13 @@ pub(crate) fn swing_springs(
             spring.joints.windows(2).zip(&mut tails.ends).map(|(pair, tails)| {
                 let [joint, next] = [&pair[0], &pair[1]];
                 let Some(transform) = transform_of(joint.joint) else { return Vec3::ZERO };
-                let end =
-                    place_below(next.joint, Some(joint.joint), transform_of, &parents).translation.into();
+                let (between, end) = link(joint.joint, next.joint, transform_of, &parents);
                 let at = parent * transform.compute_affine();
                 let head = at.translation.into();
                 let bone = Bone { head, rest: at.transform_point3(end) - head };
                 let way = bone.swing(tails, [&to_world, &to_center], joint, &placed, clock.delta()) - head;
                 let rotation = aimed(&parent, &transform, end, way).unwrap_or(transform.rotation);
                 turned.push((joint.joint, rotation));
-                let between = parents.get(next.joint).map_or(Affine3A::IDENTITY, |above| {
-                    place_below(above.parent(), Some(joint.joint), transform_of, &parents)
-                });
                 parent *= transform.with_rotation(rotation).compute_affine() * between;
                 way
             }),
@@ -173,5 +167,5 @@ pub(crate) fn swing_springs(
 
 /// Removes everything from an entity that loses its [`SpringBones`].
 pub(crate) fn remove_springs(removed: On<Remove<SpringBones>>, mut commands: Commands) {
-    commands.entity(removed.entity).try_remove::<(ShownBones, SwingingTails)>();
+    commands.entity(removed.entity).try_remove::<Parts>();
 }

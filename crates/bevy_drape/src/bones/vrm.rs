@@ -122,7 +122,7 @@ fn spawn(
         })
         .collect();
     for (name, joints, center, touched) in springs {
-        let colliders = touched.iter().filter_map(|&collider| colliders.get(collider).copied()).collect();
+        let colliders = touched.iter().map(|&collider| colliders[collider]).collect();
         world.spawn((Name::new(name), SpringBones { joints, colliders, center }, ChildOf(root)));
     }
     Ok(())
