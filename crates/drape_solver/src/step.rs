@@ -207,8 +207,9 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
 /// Clears the accelerations of the last step and sums up those of this one: gravity, wind and the forces that
 /// were added to particles and balls.
 pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
+    let isa = island.isa;
     for body in &mut island.bodies {
-        force::accumulate(body, environment);
+        force::accumulate(body, environment, isa);
     }
 }
 

@@ -22,6 +22,7 @@ pub(crate) mod build_surfaces;
 pub(crate) mod carriers;
 pub(crate) mod detail_mesh;
 pub(crate) mod from_mesh;
+pub(crate) mod mesh_times;
 pub(crate) mod normals;
 pub(crate) mod plugin;
 pub(crate) mod rope_mesh;
@@ -46,5 +47,6 @@ pub use from_mesh::{
     reading::MeshFault,
     soft_body::SoftBodyMesh,
 };
+pub use mesh_times::MeshTimes;
 pub use plugin::MeshPlugin;
 pub use rope_mesh::RopeMesh;

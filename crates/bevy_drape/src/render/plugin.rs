@@ -36,6 +36,7 @@ use crate::render::from_mesh::obstacle_mesh::{remove_obstacle_mesh, shape_obstac
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::from_mesh::source::mark_modified;
 use crate::render::from_mesh::spawn_colliders::{remove_body_colliders, spawn_body_colliders};
+use crate::render::mesh_times::MeshTimes;
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
 use crate::render::torn_mesh::tear_meshes;
 use crate::render::visibility::hide_culled;
@@ -65,7 +66,8 @@ impl MeshPlugin {
 impl Plugin for MeshPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh, ObstacleHierarchy)>()
-            .register_type::<(BodyColliders, BodyCollider, BodyCollidersReport)>()
+            .register_type::<(BodyColliders, BodyCollider, BodyCollidersReport, MeshTimes)>()
+            .init_resource::<MeshTimes>()
             .add_observer(remove_described_body::<ClothMesh>)
             .add_observer(remove_described_body::<SoftBodyMesh>)
             .add_observer(remove_mesh_body::<ClothMesh>)

@@ -1,6 +1,7 @@
 //! Writes the surfaces that have moved into their meshes.
 
 use bevy::camera::primitives::Aabb;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use crate::attach::animated_pose::AnimatedPose;
@@ -9,6 +10,7 @@ use crate::body::particles::Particles;
 use crate::render::any_mesh::{AnyMesh, handle_of};
 use crate::render::carriers::{Carried, Carriers, DrawnSurface};
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
+use crate::render::mesh_times::MeshTimes;
 use crate::render::rope_mesh::{RopeSurface, write_ropes};
 use crate::render::surface::{EntitySpace, Surface};
 use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
@@ -16,7 +18,9 @@ use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 /// Records each cloth after a step. Cloths that did not move are not interpolated.
 pub(crate) fn record_surfaces(
     mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mut AnimatedPose>)>,
+    mut times: ResMut<MeshTimes>,
 ) {
+    let start = Instant::now();
     for (particles, mut surface, posed) in &mut surfaces {
         if let Some(mut posed) = posed {
             posed.record();
@@ -27,6 +31,7 @@ pub(crate) fn record_surfaces(
             surface.settle();
         }
     }
+    times.record = start.elapsed();
 }
 
 /// Writes interpolated surfaces into the meshes of moving cloths.
@@ -42,8 +47,10 @@ pub(crate) fn write_surfaces(
     mut meshes: ResMut<Assets<Mesh>>,
     between: Res<ShowsBetweenSteps>,
     time: Option<Res<Time<Fixed>>>,
+    mut times: ResMut<MeshTimes>,
     (mut near, mut carried): (Local<Vec<u32>>, Local<Carried>),
 ) {
+    let start = Instant::now();
     let fraction = if between.0 { step_fraction(time.as_deref()) } else { 1.0 };
     write_ropes(&mut ropes, &mut meshes, fraction);
     for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
@@ -82,4 +89,5 @@ pub(crate) fn write_surfaces(
             *aabb = bounds;
         }
     }
+    times.write = start.elapsed();
 }

@@ -11,6 +11,8 @@ use crate::experiments::broad::BroadArguments;
 use crate::experiments::contact::report::ContactRuns;
 use crate::experiments::contact_cost::ContactArguments;
 use crate::experiments::fabrics::FabricArguments;
+#[cfg(feature = "frame")]
+use crate::experiments::frame::FrameArguments;
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu::GpuArguments;
 use crate::experiments::quality::QualityArguments;
@@ -58,6 +60,9 @@ pub enum Task {
     /// Measures flags along a street, with and without levels of detail.
     #[cfg(feature = "plugin")]
     Street(StreetArguments),
+    /// Measures what a frame with cloth costs: steps, meshes, and what Bevy's renderer does with them.
+    #[cfg(feature = "frame")]
+    Frame(FrameArguments),
     /// Measures saving and restoring, and cloths that are rolled back in each frame.
     #[cfg(feature = "plugin")]
     Rollback(RollbackArguments),

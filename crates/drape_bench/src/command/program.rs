@@ -7,6 +7,8 @@ use clap::Parser;
 use drape_solver::Isa;
 
 use crate::command::arguments::{Arguments, Command, Task};
+#[cfg(feature = "frame")]
+use crate::experiments::frame;
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu;
 #[cfg(feature = "plugin")]
@@ -39,6 +41,8 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Broad(field) => broad::report(field)?,
         #[cfg(feature = "plugin")]
         Task::Street(street) => street::report(street)?,
+        #[cfg(feature = "frame")]
+        Task::Frame(arguments) => frame::report(arguments)?,
         #[cfg(feature = "plugin")]
         Task::Rollback(arguments) => rollback::report(arguments)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,

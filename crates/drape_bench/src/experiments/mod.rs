@@ -10,6 +10,8 @@ pub mod contact;
 pub mod contact_cost;
 pub mod fabrics;
 pub mod golden;
+#[cfg(feature = "frame")]
+pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod oracle;

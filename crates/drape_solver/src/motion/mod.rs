@@ -1,6 +1,6 @@
 //! Free motion: forces, wind, the Verlet step, moving frames, drives towards an animated pose, and time at rest.
 //!
-//! `force.rs` has the forces, that of the wind too; `integrate.rs` the Verlet step; `rest.rs` the time at rest.
+//! `force.rs` sums up the forces, `air_force.rs` has that of the wind, `integrate.rs` the Verlet step, `rest.rs` the time at rest.
 //!
 //! ```
 //! use drape_solver::glam::{DVec3, Vec3};
@@ -23,6 +23,8 @@
 //!
 //! Imports: `state` and below. Callers: `substep` and `step`.
 
+pub(crate) mod air;
+pub(crate) mod air_force;
 pub mod ballistics;
 pub(crate) mod body_columns;
 pub mod environment;

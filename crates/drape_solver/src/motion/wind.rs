@@ -1,6 +1,6 @@
 //! Moving air: a wind, its gusts, and zones with a wind of their own.
 //!
-//! `Air::velocity_at` returns the velocity of the air; `push_on` (`force.rs`) makes a force of it.
+//! `air.rs` has the velocity of the air around a body, `air_force.rs` the force that it makes.
 //!
 //! Design: `docs/design/wind.md`.
 
@@ -10,7 +10,6 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{StepError, finite_vector, in_range, positive};
 use crate::geometry::pose::{Placement, Pose};
-use crate::state::obstacles::Obstacles;
 
 /// A wind that pushes on faces, and on the links of ropes.
 ///
@@ -241,7 +240,7 @@ impl WindZone {
     }
 
     /// True if it may reach into a box.
-    fn meets(&self, [low, high]: [Vec3; 2]) -> bool {
+    pub(crate) fn meets(&self, [low, high]: [Vec3; 2]) -> bool {
         let reach = match self.region {
             WindRegion::Sphere(radius) => radius,
             WindRegion::Cuboid(half_extents) => half_extents.length(),
@@ -249,112 +248,4 @@ impl WindZone {
         let middle = self.placement.translation;
         (middle + reach).cmpge(low).all() && (middle - reach).cmple(high).all()
     }
-}
-
-/// Greatest number of lattice points along an axis at which gusts and shelter are computed for a body; velocities
-/// between them are interpolated.
-const MOST_PLACES: usize = 4;
-
-/// The air around one body in one step.
-pub(crate) struct Air<'a> {
-    wind: &'a Wind,
-    zones: &'a [WindZone],
-    low: Vec3,
-    /// Distance between neighbours of the lattice, in metres.
-    spacing: Vec3,
-    counts: [usize; 3],
-    /// The velocity of the air in m/s, where gusts or shelter make it differ; x runs fastest.
-    lattice: [Vec3; MOST_PLACES * MOST_PLACES * MOST_PLACES],
-    has_lattice: bool,
-    has_zones: bool,
-}
-
-impl<'a> Air<'a> {
-    /// The air around a body in the box between `bounds` (world, metres), `time` seconds after the start; none if it does
-    /// not move.
-    pub fn new(
-        wind: &'a Wind,
-        zones: &'a [WindZone],
-        obstacles: &Obstacles,
-        time: f64,
-        bounds: [Vec3; 2],
-    ) -> Option<Self> {
-        let has_gusts = wind.turbulence.speed > 0.0;
-        let has_zones = zones.iter().any(|zone| zone.meets(bounds));
-        if wind.velocity == Vec3::ZERO && !has_gusts && !has_zones {
-            return None;
-        }
-        let [low, high] = bounds;
-        let wanted = (high - low) / (0.25 * wind.turbulence.length);
-        let counts =
-            wanted.to_array().map(|count| (count.ceil() as usize).saturating_add(1).clamp(2, MOST_PLACES));
-        let cells = Vec3::from(counts.map(|count| count as f32 - 1.0));
-        let mut air = Self {
-            wind,
-            zones,
-            low,
-            spacing: ((high - low) / cells).max(Vec3::splat(f32::MIN_POSITIVE)),
-            counts,
-            lattice: [wind.velocity; MOST_PLACES * MOST_PLACES * MOST_PLACES],
-            has_lattice: has_gusts || wind.shelter > 0.0,
-            has_zones,
-        };
-        if air.has_lattice {
-            air.fill(obstacles, time);
-        }
-        Some(air)
-    }
-
-    fn fill(&mut self, obstacles: &Obstacles, time: f64) {
-        let Wind { velocity, turbulence, shelter, .. } = *self.wind;
-        let waves = turbulence.waves();
-        let shelter_way = self.wind.shelter_way();
-        let [across, deep, _] = self.counts;
-        for i in 0..self.counts.iter().product() {
-            let steps = [i % across, i / across % deep, i / (across * deep)].map(|step| step as f32);
-            let place = self.low + self.spacing * Vec3::from(steps);
-            // The wind carries the gusts along.
-            let carried = place.as_dvec3() - velocity.as_dvec3() * time;
-            let gust = |wave: &Wave| {
-                wave.amplitude * libm::cos(wave.number.dot(carried) + wave.frequency * time + wave.phase)
-            };
-            let mut here = velocity + waves.iter().map(gust).sum::<DVec3>().as_vec3();
-            if shelter_way.is_some_and(|way| is_in_lee(place, way, obstacles)) {
-                here *= 1.0 - shelter;
-            }
-            self.lattice[i] = here;
-        }
-    }
-
-    /// The velocity of the air at a place in the world, in m/s.
-    #[inline]
-    pub fn velocity_at(&self, place: Vec3) -> Vec3 {
-        let mut velocity = if self.has_lattice { self.interpolated(place) } else { self.wind.velocity };
-        if self.has_zones {
-            velocity += self.zones.iter().map(|zone| zone.velocity_at(place)).sum::<Vec3>();
-        }
-        velocity
-    }
-
-    fn interpolated(&self, place: Vec3) -> Vec3 {
-        let last = Vec3::from(self.counts.map(|count| count as f32 - 1.0));
-        let steps = ((place - self.low) / self.spacing).clamp(Vec3::ZERO, last);
-        let cell = steps.floor().min(last - 1.0);
-        let part = steps - cell;
-        let [across, deep, _] = self.counts;
-        let [x, y, z] = cell.to_array().map(|step| step as usize);
-        let at = |x: usize, y: usize, z: usize| self.lattice[x + across * (y + deep * z)];
-        let row = |y: usize, z: usize| at(x, y, z).lerp(at(x + 1, y, z), part.x);
-        let plane = |z: usize| row(y, z).lerp(row(y + 1, z), part.y);
-        plane(z).lerp(plane(z + 1), part.z)
-    }
-}
-
-/// True if an obstacle stands on the way upwind from a place.
-fn is_in_lee(place: Vec3, way: Vec3, obstacles: &Obstacles) -> bool {
-    obstacles.is_any_near(place.min(place + way), place.max(place + way), |obstacle| {
-        let pose = obstacle.pose_at(1.0, Vec3::ZERO);
-        let local = [place, place + way].map(|point| pose.to_local(point));
-        !obstacle.is_sensor() && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
-    })
 }

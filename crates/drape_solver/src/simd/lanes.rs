@@ -75,6 +75,12 @@ impl<S: Simd> Lanes3<S> {
         }
     }
 
+    /// [`shifted`](Self::shifted) by as many lanes as it takes from a patch of a grid to one of its neighbours, or back.
+    #[inline(always)]
+    pub fn shifted_by(self, lanes: usize) -> Self {
+        Self { x: shifted_by(self.x, lanes), y: shifted_by(self.y, lanes), z: shifted_by(self.z, lanes) }
+    }
+
     /// `self` where `mask` holds, else `other`.
     #[inline(always)]
     pub fn or(self, mask: mask32x16<S>, other: Self) -> Self {
@@ -83,6 +89,20 @@ impl<S: Simd> Lanes3<S> {
             y: mask.select(self.y, other.y),
             z: mask.select(self.z, other.z),
         }
+    }
+}
+
+/// The numbers of the lanes that are 0, 1, 4 or 5 higher, or as many lower: `16 - lanes` higher.
+#[inline(always)]
+pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
+    match lanes {
+        0 => v,
+        1 => v.slide::<1>(v),
+        4 => v.slide::<4>(v),
+        5 => v.slide::<5>(v),
+        11 => v.slide::<11>(v),
+        12 => v.slide::<12>(v),
+        _ => v.slide::<15>(v),
     }
 }
 

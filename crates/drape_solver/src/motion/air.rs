@@ -1,0 +1,161 @@
+//! The air around a body: the velocity of wind, gusts, zones and lee, sixteen places at once.
+//!
+//! Gusts and lee are worked out at the corners of a lattice around the body. Between them the velocity is interpolated, as a sum of the
+//! corners' velocities whose weights are products of one for each axis:
+//!
+//! ```text
+//!   weight of a corner
+//!     1 |   /\
+//!       |  /  \        1 at its own place, 0 at its neighbours'
+//!     0 |_/____\_
+//! ```
+//!
+//! Design: `docs/design/wind.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{DVec3, Vec3};
+
+use crate::motion::wind::{Wave, Wind, WindZone};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::lanes::Lanes3;
+use crate::state::obstacles::Obstacles;
+
+/// Greatest number of lattice points along an axis at which gusts and shelter are computed for a body.
+const MOST_PLACES: usize = 4;
+
+/// The air around one body in one step.
+pub(crate) struct Air<'a> {
+    wind: &'a Wind,
+    zones: &'a [WindZone],
+    low: Vec3,
+    /// Distance between neighbours of the lattice, in metres.
+    spacing: Vec3,
+    counts: [usize; 3],
+    /// The velocity of the air in m/s, where gusts or shelter make it differ; x runs fastest.
+    lattice: [Vec3; MOST_PLACES * MOST_PLACES * MOST_PLACES],
+    has_lattice: bool,
+    has_zones: bool,
+}
+
+impl<'a> Air<'a> {
+    /// The air around a body in the box between `bounds` (world, metres), `time` seconds after the start; none if it does
+    /// not move.
+    pub fn new(
+        wind: &'a Wind,
+        zones: &'a [WindZone],
+        obstacles: &Obstacles,
+        time: f64,
+        bounds: [Vec3; 2],
+    ) -> Option<Self> {
+        let has_gusts = wind.turbulence.speed > 0.0;
+        let has_zones = zones.iter().any(|zone| zone.meets(bounds));
+        if wind.velocity == Vec3::ZERO && !has_gusts && !has_zones {
+            return None;
+        }
+        let [low, high] = bounds;
+        let wanted = (high - low) / (0.25 * wind.turbulence.length);
+        let counts =
+            wanted.to_array().map(|count| (count.ceil() as usize).saturating_add(1).clamp(2, MOST_PLACES));
+        let cells = Vec3::from(counts.map(|count| count as f32 - 1.0));
+        let mut air = Self {
+            wind,
+            zones,
+            low,
+            spacing: ((high - low) / cells).max(Vec3::splat(f32::MIN_POSITIVE)),
+            counts,
+            lattice: [wind.velocity; MOST_PLACES * MOST_PLACES * MOST_PLACES],
+            has_lattice: has_gusts || wind.shelter > 0.0,
+            has_zones,
+        };
+        if air.has_lattice {
+            air.fill(obstacles, time);
+        }
+        Some(air)
+    }
+
+    fn fill(&mut self, obstacles: &Obstacles, time: f64) {
+        let Wind { velocity, turbulence, shelter, .. } = *self.wind;
+        let waves = turbulence.waves();
+        let shelter_way = self.wind.shelter_way();
+        let [across, deep, _] = self.counts;
+        for i in 0..self.counts.iter().product() {
+            let steps = [i % across, i / across % deep, i / (across * deep)].map(|step| step as f32);
+            let place = self.low + self.spacing * Vec3::from(steps);
+            // The wind carries the gusts along.
+            let carried = place.as_dvec3() - velocity.as_dvec3() * time;
+            let gust = |wave: &Wave| {
+                wave.amplitude * libm::cos(wave.number.dot(carried) + wave.frequency * time + wave.phase)
+            };
+            let mut here = velocity + waves.iter().map(gust).sum::<DVec3>().as_vec3();
+            if shelter_way.is_some_and(|way| is_in_lee(place, way, obstacles)) {
+                here *= 1.0 - shelter;
+            }
+            self.lattice[i] = here;
+        }
+    }
+
+    /// The velocity of the air at sixteen places in the world, in m/s.
+    #[inline(always)]
+    pub fn velocities<S: Simd>(&self, simd: S, places: Lanes3<S>) -> Lanes3<S> {
+        let velocities = if self.has_lattice {
+            self.interpolated(simd, places)
+        } else {
+            Lanes3::splat(simd, self.wind.velocity)
+        };
+        if self.has_zones { self.with_zones(simd, places, velocities) } else { velocities }
+    }
+
+    #[inline(always)]
+    fn interpolated<S: Simd>(&self, simd: S, places: Lanes3<S>) -> Lanes3<S> {
+        let steps = places.minus(Lanes3::splat(simd, self.low));
+        let spacing = Lanes3::splat(simd, self.spacing);
+        let [across, deep, high] = self.counts;
+        let along_x = weights(simd, steps.x / spacing.x, across);
+        let along_y = weights(simd, steps.y / spacing.y, deep);
+        let along_z = weights(simd, steps.z / spacing.z, high);
+        let nothing = Lanes3::splat(simd, Vec3::ZERO);
+        let mut sum = nothing;
+        let planes = self.lattice.chunks_exact(across * deep);
+        for (plane, weight_z) in planes.zip(&along_z[..high]) {
+            let mut of_plane = nothing;
+            for (row, weight_y) in plane.chunks_exact(across).zip(&along_y[..deep]) {
+                let mut of_row = nothing;
+                for (&velocity, &weight_x) in row.iter().zip(&along_x[..across]) {
+                    of_row = of_row.plus(Lanes3::splat(simd, velocity).times(weight_x));
+                }
+                of_plane = of_plane.plus(of_row.times(*weight_y));
+            }
+            sum = sum.plus(of_plane.times(*weight_z));
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn with_zones<S: Simd>(&self, simd: S, places: Lanes3<S>, velocities: Lanes3<S>) -> Lanes3<S> {
+        let (mut at, mut sums) = (Cell::default(), Cell::default());
+        places.store(&mut at);
+        velocities.store(&mut sums);
+        for lane in 0..LANES {
+            let of_zones = self.zones.iter().map(|zone| zone.velocity_at(at.get(lane)));
+            sums.add(lane, of_zones.sum());
+        }
+        Lanes3::load(simd, &sums)
+    }
+}
+
+/// The weights of `count` points a unit apart at a distance of `steps` from the first. Beyond the ends, the ends count.
+#[inline(always)]
+fn weights<S: Simd>(simd: S, steps: f32x16<S>, count: usize) -> [f32x16<S>; MOST_PLACES] {
+    let [zero, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
+    let steps = steps.max(zero).min(f32x16::splat(simd, count as f32 - 1.0));
+    core::array::from_fn(|point| (one - (steps - f32x16::splat(simd, point as f32)).abs()).max(zero))
+}
+
+/// True if an obstacle stands on the way upwind from a place.
+fn is_in_lee(place: Vec3, way: Vec3, obstacles: &Obstacles) -> bool {
+    obstacles.is_any_near(place.min(place + way), place.max(place + way), |obstacle| {
+        let pose = obstacle.pose_at(1.0, Vec3::ZERO);
+        let local = [place, place + way].map(|point| pose.to_local(point));
+        !obstacle.is_sensor() && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
+    })
+}

@@ -1,0 +1,249 @@
+//! The force of the air on a body: on the squares of a grid, on faces and on links, sixteen at once.
+//!
+//! ```text
+//!   square  a---b     area vector 1/2 (d - a) x (b - c)       face  p---q        link  p---q
+//!           |   |     = that of its two faces, whichever             \ /
+//!           c---d       diagonal they share                           r
+//! ```
+//!
+//! Design: `docs/design/wind.md`.
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use glam::Vec3;
+
+use crate::motion::air::Air;
+use crate::motion::wind::Wind;
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::Kernel;
+use crate::simd::lanes::{Lanes3, first_lanes, load, shifted_by};
+use crate::state::layout::{Grid, Layout};
+use crate::state::particles::Particles;
+use crate::state::topology::Topology;
+
+/// The number of elements that meet at a particle and share the limit on their forces: by the number of an element's corners.
+const MEETING: [f32; 5] = [0.0, 0.0, 2.0, 6.0, 4.0];
+
+/// Adds the force of the air on a body in newtons to `forces`, a vector for each slot.
+pub(crate) struct Blow<'a> {
+    pub particles: &'a Particles,
+    pub topology: &'a Topology,
+    /// Half the width of a link's profile, in metres.
+    pub thickness: f32,
+    pub air: &'a Air<'a>,
+    pub wind: &'a Wind,
+    /// Seconds of the step.
+    pub dt: f32,
+    pub forces: &'a mut [Cell],
+}
+
+/// One corner of sixteen elements.
+#[derive(Clone, Copy)]
+struct Corner<S: Simd> {
+    position: Lanes3<S>,
+    displacement: Lanes3<S>,
+    inverse_mass: f32x16<S>,
+}
+
+impl Kernel for Blow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        let topology = self.topology;
+        match topology.layout {
+            Layout::Grid(grid) if topology.has_faces_by_square && grid.rows > 1 => {
+                self.blow_on_squares(simd, grid);
+            }
+            _ => self.blow_on_list(simd, topology.faces(), Self::on_face),
+        }
+        self.blow_on_list(simd, topology.segments(), Self::on_link);
+    }
+}
+
+impl Blow<'_> {
+    /// Blows on all squares of a grid: in each lane on those of one patch.
+    #[inline(always)]
+    fn blow_on_squares<S: Simd>(&mut self, simd: S, grid: Grid) {
+        let Grid { width, height, across, .. } = grid;
+        for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+            let lanes = squares_at(grid, column, row);
+            if lanes == 0 {
+                continue;
+            }
+            // The cell of a corner, and the number of lanes by which its patch lies further on.
+            let corner = |right: usize, down: usize| {
+                let (column, row) = (column + right, row + down);
+                let (next, below) = (column == width, row == height);
+                let cell = if below { 0 } else { row * width } + if next { 0 } else { column };
+                (cell, usize::from(next) + if below { across } else { 0 })
+            };
+            let places = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            let corners = places.map(|(cell, shift)| {
+                let Corner { position, displacement, inverse_mass } = self.corner(simd, cell);
+                let [position, displacement] = [position, displacement].map(|v| v.shifted_by(shift));
+                Corner { position, displacement, inverse_mass: shifted_by(inverse_mass, shift) }
+            });
+            let [a, b, c, d] = corners.map(|corner| corner.position);
+            let double_area = d.minus(a).cross(b.minus(c));
+            let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+            let share = self.on_surface(simd, &corners, double_area, lanes);
+            for (cell, shift) in places {
+                let forces = &mut self.forces[cell];
+                // Lanes that are shifted round the end have no square, and no force.
+                Lanes3::load(simd, forces).plus(share.shifted_by((LANES - shift) % LANES)).store(forces);
+            }
+        }
+    }
+
+    /// Blows on listed elements, given by their particles.
+    #[inline(always)]
+    fn blow_on_list<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        elements: &[[u32; N]],
+        force: impl Fn(&Self, S, &[Corner<S>; N], mask32x16<S>) -> Lanes3<S>,
+    ) {
+        for elements in elements.chunks(LANES) {
+            let mut slots = [[0; LANES]; N];
+            let mut cells = [(Cell::default(), Cell::default(), [0.0; LANES]); N];
+            for (lane, element) in elements.iter().enumerate() {
+                for ((slots, cells), &particle) in slots.iter_mut().zip(&mut cells).zip(element) {
+                    let slot = self.particles.layout.slot(particle as usize);
+                    let (position, displacement, inverse_mass) = cells;
+                    slots[lane] = slot;
+                    position.set(lane, self.particles.position.get(slot));
+                    displacement.set(lane, self.particles.displacement.get(slot));
+                    inverse_mass[lane] = self.particles.inverse_mass[slot];
+                }
+            }
+            let corners = cells.map(|(position, displacement, inverse_mass)| Corner {
+                position: Lanes3::load(simd, &position),
+                displacement: Lanes3::load(simd, &displacement),
+                inverse_mass: load(simd, &inverse_mass),
+            });
+            let lanes = mask32x16::from_bitmask(simd, u64::from(first_lanes(elements.len())));
+            let mut share = Cell::default();
+            force(self, simd, &corners, lanes).store(&mut share);
+            for lane in 0..elements.len() {
+                let share = share.get(lane);
+                for slot in slots.map(|slots| slots[lane]) {
+                    let forces = &mut self.forces[slot / LANES];
+                    forces.add(slot % LANES, share);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn corner<S: Simd>(&self, simd: S, cell: usize) -> Corner<S> {
+        let (inverse_mass, _) = self.particles.inverse_mass.as_chunks::<LANES>();
+        Corner {
+            position: Lanes3::load(simd, &self.particles.position.cells[cell]),
+            displacement: Lanes3::load(simd, &self.particles.displacement.cells[cell]),
+            inverse_mass: load(simd, &inverse_mass[cell]),
+        }
+    }
+
+    #[inline(always)]
+    fn on_face<S: Simd>(&self, simd: S, corners: &[Corner<S>; 3], lanes: mask32x16<S>) -> Lanes3<S> {
+        let [p, q, r] = corners.map(|corner| corner.position);
+        self.on_surface(simd, corners, q.minus(p).cross(r.minus(p)), lanes)
+    }
+
+    /// The force on each corner of a square or face with this area vector, twice as long.
+    #[inline(always)]
+    fn on_surface<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        corners: &[Corner<S>; N],
+        double_area: Lanes3<S>,
+        lanes: mask32x16<S>,
+    ) -> Lanes3<S> {
+        let length = double_area.dot(double_area).sqrt();
+        let zero = f32x16::splat(simd, 0.0);
+        let normal = double_area.times(f32x16::splat(simd, 1.0) / length);
+        let velocity = self.air_at_middle(simd, corners);
+        let share = self.share(simd, corners, velocity, normal, length * 0.5);
+        share.or(lanes & length.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
+    }
+
+    /// The force on each end of a link. Its profile is twice the thickness wide, and the wind always meets it squarely.
+    #[inline(always)]
+    fn on_link<S: Simd>(&self, simd: S, ends: &[Corner<S>; 2], lanes: mask32x16<S>) -> Lanes3<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let along = ends[1].position.minus(ends[0].position);
+        let squared = along.dot(along);
+        let area = squared.sqrt() * (2.0 * self.thickness);
+        let velocity = self.air_at_middle(simd, ends);
+        let part = squared.simd_gt(zero).select(velocity.dot(along) / squared, zero);
+        let across = velocity.minus(along.times(part));
+        let speed = across.dot(across).sqrt();
+        let normal = across.times(f32x16::splat(simd, 1.0) / speed);
+        let share = self.share(simd, ends, velocity, normal, area);
+        share.or(lanes & speed.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
+    }
+
+    /// The velocity of the air in the middle between corners.
+    #[inline(always)]
+    fn air_at_middle<S: Simd, const N: usize>(&self, simd: S, corners: &[Corner<S>; N]) -> Lanes3<S> {
+        let middle = sum(simd, corners.map(|corner| corner.position)).times(f32x16::splat(simd, 1.0 / N as f32));
+        self.air.velocities(simd, middle.plus(Lanes3::splat(simd, self.particles.origin)))
+    }
+
+    /// The force on each corner of elements with this unit `normal` and `area` (m^2), in air of this `velocity`.
+    ///
+    /// A gust may bring a particle to the speed of the air within the step, but never past it: the explicit force
+    /// cannot make light cloth explode. The elements that meet at a particle share that limit.
+    #[inline(always)]
+    fn share<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        corners: &[Corner<S>; N],
+        velocity: Lanes3<S>,
+        normal: Lanes3<S>,
+        area: f32x16<S>,
+    ) -> Lanes3<S> {
+        let Wind { air_density, drag_coefficient, lift_coefficient, .. } = *self.wind;
+        let [zero, least] = [0.0, f32::MIN_POSITIVE].map(|number| f32x16::splat(simd, number));
+        let part = 1.0 / N as f32;
+        let own = sum(simd, corners.map(|corner| corner.displacement));
+        let own = own.times(f32x16::splat(simd, part / self.particles.substep));
+        let relative = velocity.minus(own);
+        let inverse_mass = corners.iter().fold(zero, |sum, corner| sum + corner.inverse_mass) * part;
+        let by_force = inverse_mass.max(least) * (self.dt * part * MEETING[N]);
+
+        let speed = relative.dot(normal);
+        let force = area * (0.5 * air_density * drag_coefficient) * speed * speed.abs();
+        let most = speed.abs() / by_force;
+        let is_too_much = force.abs().simd_gt(most);
+        let size = is_too_much.select(speed / by_force, force);
+        let mut sum = normal.times(size);
+        if lift_coefficient != 0.0 && N > 2 {
+            let size = relative.dot(relative).sqrt();
+            let strength = area * (0.5 * air_density * lift_coefficient);
+            let lift = normal.times(size * size).minus(relative.times(speed)).times(strength * speed / size);
+            let (squared, most) = (lift.dot(lift), size / by_force);
+            let is_too_much = squared.simd_gt(most * most);
+            let lift = lift.times(most / squared.sqrt()).or(is_too_much, lift);
+            sum = sum.plus(lift.or(size.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO)));
+        }
+        sum.times(f32x16::splat(simd, part))
+    }
+}
+
+#[inline(always)]
+fn sum<S: Simd, const N: usize>(simd: S, vectors: [Lanes3<S>; N]) -> Lanes3<S> {
+    vectors.into_iter().fold(Lanes3::splat(simd, Vec3::ZERO), Lanes3::plus)
+}
+
+/// Bit mask of the lanes in which a square begins in this column and row of their patch.
+#[inline(always)]
+fn squares_at(grid: Grid, column: usize, row: usize) -> u16 {
+    let Grid { columns, rows, across, down, width, height } = grid;
+    let begins = |patch: usize, size: usize, within: usize, count: usize| patch * size + within + 1 < count;
+    let in_row = (0..across).fold(0_u32, |bits, patch| {
+        bits | (u32::from(begins(patch, width, column, columns)) << patch)
+    });
+    let all = (0..down).filter(|&patch| begins(patch, height, row, rows));
+    all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
+}
