@@ -10,7 +10,7 @@ use crate::body::on_gpu::{AnyParts, OnGpu};
 use crate::detail::level::CurrentDetail;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::detail_mesh::{MeshesOfDetail, new_mesh};
-use crate::render::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
+use crate::render::surface::{Shown, Surface, can_be_written, complete};
 
 /// Gives new and rebuilt cloths their surfaces, and meshes unless they have fitting ones.
 pub(crate) fn build_surfaces<D: Shown>(
@@ -84,8 +84,7 @@ pub(crate) fn build_surfaces<D: Shown>(
         // Written here, read by the renderer.
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         let mut surface = Surface::new(particles, topology, cloth.layout());
-        let bounds =
-            EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0, &default()));
+        let bounds = surface.write_now(&mut asset, transform);
         let handle = put_asset(&mut meshes, handle, asset);
         surface.mesh = handle.id();
         let mut entity = commands.entity(entity);

@@ -32,6 +32,7 @@ pub(crate) mod torn_mesh;
 pub(crate) mod tube;
 pub(crate) mod vertex_map;
 pub(crate) mod vertices;
+pub(crate) mod views;
 pub(crate) mod visibility;
 pub(crate) mod write_surfaces;
 

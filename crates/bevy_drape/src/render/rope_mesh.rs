@@ -9,7 +9,9 @@ use drape_solver::Topology;
 
 use crate::body::on_gpu::AnyParts;
 use crate::body::particles::Particles;
-use crate::render::tube::Tube;
+use crate::render::surface::position_and_normal;
+use crate::render::tube::{MOST_SIDES, Tube};
+use crate::render::views::Views;
 
 /// Shows a rope, or a piece of one, as a tube: gives the entity a [`Mesh3d`] and updates it with the simulation. Add a
 /// `MeshMaterial3d` to see it. Texture coordinates go from 0 to 1 around the tube, and from 0 at the rope's start to 1
@@ -50,6 +52,8 @@ pub(crate) struct RopeSurface {
     pub order: Vec<u32>,
     previous: Vec<Vec3>,
     current: Vec<Vec3>,
+    /// Centres of the rings in the entity's coordinates, kept to allocate nothing per frame.
+    centres: Vec<Vec3>,
     /// A vector across the first link, from which the rings start.
     across: Vec3,
     /// True if it did not move in the last step.
@@ -120,7 +124,8 @@ pub(crate) fn build_rope_meshes(
         let is_known = surface.zip(mesh).is_some_and(|(surface, mesh)| {
             surface.made_for == *rope && surface.current.len() == particles.len() && surface.mesh == mesh.id()
         });
-        let is_usable = rope.radius > 0.0 && rope.radius.is_finite() && (3..=64).contains(&rope.sides);
+        let is_usable =
+            rope.radius > 0.0 && rope.radius.is_finite() && (3..=MOST_SIDES as u32).contains(&rope.sides);
         if is_known || !is_usable || particles.len() != topology.particle_count() {
             continue;
         }
@@ -142,6 +147,7 @@ pub(crate) fn build_rope_meshes(
             order,
             previous: current.clone(),
             current,
+            centres: Vec::new(),
             across: Vec3::ZERO,
             is_settled: true,
             shown: None,
@@ -166,33 +172,35 @@ pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>)
     }
 }
 
-/// Writes the tubes at `fraction` of the last step.
+/// Writes the tubes at `fraction` of the last step, where they are seen.
 pub(crate) fn write_ropes(
-    ropes: &mut Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
+    ropes: &mut Query<(Entity, &mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
     meshes: &mut Assets<Mesh>,
+    views: &Views,
     fraction: f32,
 ) {
-    for (mut surface, handle, transform, mut bounds) in ropes {
-        let RopeSurface { made_for, mesh, previous, current, across, is_settled, shown, .. } = &mut *surface;
+    for (entity, mut surface, handle, transform, mut bounds) in ropes {
+        let RopeSurface { made_for, mesh, previous, current, centres, across, is_settled, shown, .. } =
+            &mut *surface;
         let fraction = if *is_settled { 1.0 } else { fraction };
-        if *shown == Some((fraction, *transform)) {
-            continue;
-        }
-        let Some(mut asset) = meshes.get_mut(*mesh).filter(|_| handle.id() == *mesh) else { continue };
         let to_local = transform.affine().inverse();
-        if !to_local.is_finite() {
+        if *shown == Some((fraction, *transform)) || handle.id() != *mesh || !to_local.is_finite() {
             continue;
         }
         let between = |(&a, &b): (&Vec3, &Vec3)| to_local.transform_point3(a + (b - a) * fraction);
-        let centres: Vec<Vec3> = previous.iter().zip(current.iter()).map(between).collect();
-        let tube = Tube { rings: centres.len(), sides: made_for.sides as usize, radius: made_for.radius };
-        let (positions, normals, new_across) = tube.vertices(&centres, *across);
-        *across = new_across;
-        if let Some(around) = Aabb::enclosing(positions.iter().map(|&position| Vec3::from(position))) {
-            *bounds = around;
+        centres.clear();
+        centres.extend(previous.iter().zip(current.iter()).map(between));
+        if let Some(around) = Aabb::enclosing(centres.iter()) {
+            let half_extents = around.half_extents + made_for.radius;
+            bounds.set_if_neq(Aabb { half_extents, ..around });
         }
+        if !views.may_see(entity, &bounds, transform) {
+            continue;
+        }
+        let Some(mut asset) = meshes.get_mut(*mesh) else { continue };
+        let Some((positions, normals)) = position_and_normal(&mut asset) else { continue };
+        let tube = Tube { rings: centres.len(), sides: made_for.sides as usize, radius: made_for.radius };
+        *across = tube.write(centres, *across, positions, normals);
         *shown = Some((fraction, *transform));
-        asset.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
-        asset.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
     }
 }

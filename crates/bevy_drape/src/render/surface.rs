@@ -14,9 +14,12 @@ use crate::build::soft_ball::SoftBall;
 use crate::detail::level::CurrentDetail;
 use crate::detail::resampling::resample;
 use crate::render::carriers::Carried;
-use crate::render::normals::write_smooth_normals;
+use crate::render::normals::{write_grid_normals, write_smooth_normals};
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
+
+/// Bounds allow for an overhang that has grown so many times since vertices were last written.
+const OVERHANG_GROWTH: f32 = 2.0;
 
 /// Positions of the particles after one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,15 +49,14 @@ impl StepPositions {
     fn read(&mut self, particles: &drape_solver::Particles) -> bool {
         self.origin = particles.origin();
         self.positions.clear();
-        self.positions.extend((0..particles.len()).map(|i| particles.local_position(i)));
-        (self.low, self.high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let mut is_finite = true;
-        for &position in &self.positions {
-            self.low = self.low.min(position);
-            self.high = self.high.max(position);
-            is_finite &= position.is_finite();
-        }
-        is_finite
+        let (mut low, mut high, mut odd) = (Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::ZERO);
+        self.positions.extend(particles.local_positions().inspect(|&position| {
+            (low, high) = (low.min(position), high.max(position));
+            // Zero while every number is finite.
+            odd += position * 0.0;
+        }));
+        (self.low, self.high) = (low, high);
+        odd == Vec3::ZERO
     }
 }
 
@@ -79,6 +81,8 @@ pub(crate) struct Surface {
     shown: Option<(f32, Affine3A)>,
     /// True if obstacles displaced the mesh when it was last written.
     is_displaced: bool,
+    /// Metres by which vertices lay outside the box around the particles that carry them, when they were last written.
+    overhang: f32,
 }
 
 impl Surface {
@@ -97,6 +101,7 @@ impl Surface {
             is_settled: true,
             shown: None,
             is_displaced: false,
+            overhang: 0.0,
         }
     }
 
@@ -190,6 +195,19 @@ impl Surface {
         self.is_displaced || self.shown != Some((self.fraction(fraction), space.to_world))
     }
 
+    /// Bounds of what [`write`](Self::write) would write, for every fraction of the last step, displaced by up to `carried` metres.
+    pub fn bounds(&self, space: &EntitySpace, fraction: f32, carried: f32) -> Aabb {
+        let (previous, current) = (&self.previous, &self.current);
+        let from = previous.origin - space.translation;
+        let to = current.origin - space.translation;
+        let (mut low, mut high) = (to + current.low, to + current.high);
+        if self.fraction(fraction) < 1.0 {
+            (low, high) = (low.min(from + previous.low), high.max(from + previous.high));
+        }
+        let margin = carried + OVERHANG_GROWTH * self.overhang;
+        space.bounds(low - margin, high + margin)
+    }
+
     /// Writes positions and normals into `mesh`, displaced by `carried`, and returns bounds that hold for every fraction of the last step;
     /// none if the mesh lacks the right attributes.
     pub fn write(
@@ -223,7 +241,12 @@ impl Surface {
                 } else {
                     positions.iter_mut().zip(&current.positions).for_each(|(vertex, b)| *vertex = after(b));
                 }
-                write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
+                match self.topology.grid_size() {
+                    Some([columns, _]) => write_grid_normals(positions, columns, space.orientation, normals),
+                    None => {
+                        write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
+                    }
+                }
             }
             Vertices::Welded(vertices) => {
                 for (vertex, particle) in positions.iter_mut().zip(&*vertices.particles) {
@@ -240,24 +263,31 @@ impl Surface {
                     let (a, b) = (from + a, to + b);
                     carried.place(if fraction < 1.0 { a + (b - a) * fraction } else { b })
                 }));
-                let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+                let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+                let ([mut low, mut high], [mut local_low, mut local_high]) = (nothing, nothing);
                 vertices.embedding.write_normals(&self.topology, |i| self.between[i], &mut self.normals);
                 let places = vertices.embedding.places(|i| self.between[i], &self.normals);
                 for (vertex, place) in positions.iter_mut().zip(places) {
-                    let place = space.direction(place);
                     (low, high) = (low.min(place), high.max(place));
+                    let place = space.direction(place);
+                    (local_low, local_high) = (local_low.min(place), local_high.max(place));
                     *vertex = place.to_array();
                 }
                 vertices.groups.write_normals(positions, normals);
                 // Vertices may lie outside the particles that carry them.
-                return Some(Aabb::from_min_max(low, high));
+                let carriers = self.between.iter().copied();
+                let inside = [carriers.clone().fold(high, Vec3::min), carriers.fold(low, Vec3::max)];
+                self.overhang = (inside[0] - low).max(high - inside[1]).max_element().max(0.0);
+                return Some(Aabb::from_min_max(local_low, local_high));
             }
         }
-        let (mut low, mut high) = (to + current.low, to + current.high);
-        if fraction < 1.0 {
-            (low, high) = (low.min(from + previous.low), high.max(from + previous.high));
-        }
-        Some(space.bounds(low - carried.greatest, high + carried.greatest))
+        Some(self.bounds(space, fraction, carried.greatest))
+    }
+
+    /// Writes the last state into a new mesh, and returns its bounds; none if either is not possible.
+    pub fn write_now(&mut self, mesh: &mut Mesh, transform: &GlobalTransform) -> Option<Aabb> {
+        let space = EntitySpace::new(transform)?;
+        self.write(mesh, &space, 1.0, &default())
     }
 
     /// The corners of a box around the last two states, in the world.
@@ -422,7 +452,7 @@ pub(crate) fn can_be_written(mesh: &Mesh, count: usize) -> bool {
 }
 
 /// Returns both buffers at once.
-fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>)> {
+pub(crate) fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>)> {
     let (mut positions, mut normals) = (None, None);
     for (attribute, values) in mesh.try_attributes_mut().ok()? {
         let VertexAttributeValues::Float32x3(values) = values else {

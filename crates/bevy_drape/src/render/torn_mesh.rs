@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::TornMesh;
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
-use crate::render::surface::{EntitySpace, Surface};
+use crate::render::surface::Surface;
 
 /// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(
@@ -33,8 +33,7 @@ pub(crate) fn tear_meshes(
         let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, faces));
         let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map));
         let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
-        let bounds =
-            EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0, &default()));
+        let bounds = own.write_now(&mut mesh, transform);
         let handle = (*source == entity).then(|| handle.clone());
         made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
     }

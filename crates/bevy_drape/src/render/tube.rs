@@ -2,6 +2,9 @@
 
 use bevy::prelude::*;
 
+/// The greatest number of corners of a ring.
+pub(crate) const MOST_SIDES: usize = 64;
+
 /// A tube: rings around points, and a cap at each end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tube {
@@ -54,50 +57,54 @@ impl Tube {
         indices
     }
 
-    /// Returns positions and normals of the vertices around `centres`, and the vector across the first link that the
+    /// Writes positions and normals of the vertices around `centres`, and returns the vector across the first link that the
     /// rings start from: the one nearest to `across`. Each ring is the one before, turned only as far as the tube bends
     /// (parallel transport).
-    pub fn vertices(self, centres: &[Vec3], across: Vec3) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec3) {
-        let last = centres.len() - 1;
-        let mut positions = Vec::with_capacity(self.vertex_count());
-        let mut normals = Vec::with_capacity(self.vertex_count());
+    pub fn write(
+        self,
+        centres: &[Vec3],
+        across: Vec3,
+        positions: &mut Vec<[f32; 3]>,
+        normals: &mut Vec<[f32; 3]>,
+    ) -> Vec3 {
+        let mut circle = [Vec2::X; MOST_SIDES + 1];
+        let circle = &mut circle[..self.ring()];
+        for (side, corner) in circle[..self.sides].iter_mut().enumerate() {
+            *corner = Vec2::from_angle(core::f32::consts::TAU * side as f32 / self.sides as f32);
+        }
+        positions.clear();
+        normals.clear();
         let mut tangent = tangent_at(centres, 0).unwrap_or(Vec3::Y);
         let first = across.reject_from_normalized(tangent).try_normalize();
         let first = first.unwrap_or_else(|| tangent.any_orthonormal_vector());
         let mut across = first;
-        let mut lids = [(tangent, across); 2];
+        let begin = (tangent, across);
         for (i, &centre) in centres.iter().enumerate() {
             let next = tangent_at(centres, i).unwrap_or(tangent);
             let turned = Quat::from_rotation_arc(tangent, next) * across;
             across = turned.reject_from_normalized(next).try_normalize().unwrap_or(across);
             tangent = next;
-            for outward in self.outwards(tangent, across) {
+            for outward in outwards(circle, tangent, across) {
                 positions.push((centre + outward * self.radius).to_array());
                 normals.push(outward.to_array());
             }
-            if i == last {
-                lids[1] = (tangent, across);
-            }
         }
-        for (centre, (tangent, across), side) in [(centres[0], lids[0], -1.0), (centres[last], lids[1], 1.0)]
-        {
-            let outwards = self.outwards(tangent, across);
-            positions.extend(outwards.map(|outward| (centre + outward * self.radius).to_array()));
+        let lids = [(0, begin, -1.0), (centres.len() - 1, (tangent, across), 1.0)];
+        for (end, (tangent, across), side) in lids {
+            let centre = centres[end];
+            let corners = outwards(circle, tangent, across);
+            positions.extend(corners.map(|outward| (centre + outward * self.radius).to_array()));
             positions.push(centre.to_array());
             normals.extend(core::iter::repeat_n((tangent * side).to_array(), self.ring() + 1));
         }
-        (positions, normals, first)
+        first
     }
+}
 
-    /// Returns the directions from the centre of a ring to its corners.
-    fn outwards(self, tangent: Vec3, across: Vec3) -> impl Iterator<Item = Vec3> {
-        let up = tangent.cross(across);
-        (0..self.ring()).map(move |side| {
-            let around =
-                Vec2::from_angle(core::f32::consts::TAU * (side % self.sides) as f32 / self.sides as f32);
-            across * around.x + up * around.y
-        })
-    }
+/// The directions from the centre of a ring to its corners, which lie on `circle`.
+fn outwards(circle: &[Vec2], tangent: Vec3, across: Vec3) -> impl Iterator<Item = Vec3> {
+    let up = tangent.cross(across);
+    circle.iter().map(move |around| across * around.x + up * around.y)
 }
 
 /// Returns the direction of the line at a point: the mean of both links.
@@ -111,6 +118,12 @@ fn tangent_at(centres: &[Vec3], i: usize) -> Option<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn vertices(tube: Tube, centres: &[Vec3], across: Vec3) -> [Vec<[f32; 3]>; 2] {
+        let [mut positions, mut normals] = [Vec::new(), Vec::new()];
+        tube.write(centres, across, &mut positions, &mut normals);
+        [positions, normals]
+    }
 
     fn helix(turns: f32) -> Vec<Vec3> {
         (0..100)
@@ -129,7 +142,7 @@ mod tests {
     fn rings_lie_around_their_points_and_are_never_twisted() {
         let tube = Tube { rings: 100, sides: 8, radius: 0.05 };
         let centres = helix(3.0);
-        let (positions, normals, _) = tube.vertices(&centres, Vec3::ZERO);
+        let [positions, normals] = vertices(tube, &centres, Vec3::ZERO);
         assert_eq!((positions.len(), normals.len()), (tube.vertex_count(), tube.vertex_count()));
         for (i, &centre) in centres.iter().enumerate() {
             let tangent = tangent_at(&centres, i).expect("a line");
@@ -151,7 +164,7 @@ mod tests {
     fn all_triangles_look_outwards_and_close_the_tube() {
         let tube = Tube { rings: 5, sides: 6, radius: 0.1 };
         let centres: Vec<Vec3> = (0..5).map(|i| Vec3::Y * -0.3 * i as f32).collect();
-        let (positions, normals, _) = tube.vertices(&centres, Vec3::X);
+        let [positions, normals] = vertices(tube, &centres, Vec3::X);
         let mut volume = 0.0;
         for triangle in tube.indices().chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|corner| Vec3::from(positions[triangle[corner] as usize]));

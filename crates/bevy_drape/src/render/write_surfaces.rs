@@ -1,4 +1,4 @@
-//! Writes the surfaces that have moved into their meshes.
+//! Writes the surfaces that have moved, and that are seen, into their meshes.
 
 use bevy::camera::primitives::Aabb;
 use bevy::platform::time::Instant;
@@ -13,6 +13,7 @@ use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::mesh_times::MeshTimes;
 use crate::render::rope_mesh::{RopeSurface, write_ropes};
 use crate::render::surface::{EntitySpace, Surface};
+use crate::render::views::Views;
 use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 
 /// Records each cloth after a step. Cloths that did not move are not interpolated.
@@ -34,7 +35,7 @@ pub(crate) fn record_surfaces(
     times.record = start.elapsed();
 }
 
-/// Writes interpolated surfaces into the meshes of moving cloths.
+/// Writes interpolated surfaces into the meshes of moving cloths, where they are seen.
 pub(crate) fn write_surfaces(
     mut surfaces: Query<
         (Entity, &mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&DrivenMesh>),
@@ -42,7 +43,8 @@ pub(crate) fn write_surfaces(
     >,
     bodies: Query<(&BodyState, Option<&AnimatedPose>)>,
     carriers: Carriers,
-    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
+    views: Views,
+    mut ropes: Query<(Entity, &mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
     places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
     between: Res<ShowsBetweenSteps>,
@@ -52,7 +54,7 @@ pub(crate) fn write_surfaces(
 ) {
     let start = Instant::now();
     let fraction = if between.0 { step_fraction(time.as_deref()) } else { 1.0 };
-    write_ropes(&mut ropes, &mut meshes, fraction);
+    write_ropes(&mut ropes, &mut meshes, &views, fraction);
     for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
         let Some(mesh) = handle_of(mesh) else { continue };
         let (body, posed) = bodies.get(driven.map_or(entity, |driven| driven.driver)).ok().unzip();
@@ -68,9 +70,6 @@ pub(crate) fn write_surfaces(
         if !surface.must_be_written(&space, fraction) || surface.mesh != mesh.id() {
             continue;
         }
-        let Some(mut asset) = meshes.get_mut(mesh) else {
-            continue;
-        };
         carried.clear();
         if let Some(body) = body.filter(|_| posed.is_some())
             && surface.is_moving()
@@ -84,9 +83,14 @@ pub(crate) fn write_surfaces(
             };
             carriers.find(&drawn, &mut near, &mut carried);
         }
-        let bounds = surface.write(&mut asset, &space, fraction, &carried);
+        let mut bounds = Some(surface.bounds(&space, fraction, carried.greatest));
+        if bounds.is_some_and(|bounds| views.may_see(entity, &bounds, transform))
+            && let Some(mut asset) = meshes.get_mut(mesh)
+        {
+            bounds = surface.write(&mut asset, &space, fraction, &carried);
+        }
         if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
-            *aabb = bounds;
+            aabb.set_if_neq(bounds);
         }
     }
     times.write = start.elapsed();

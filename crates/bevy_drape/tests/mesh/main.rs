@@ -17,6 +17,7 @@ mod schedules;
 mod soft_body;
 mod torn;
 mod vertices;
+mod views;
 mod writes;
 
 use bevy::asset::AssetPlugin;

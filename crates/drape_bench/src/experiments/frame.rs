@@ -37,12 +37,18 @@ use crate::scenes::world::STEP;
 const WARM_UP: usize = 60;
 /// Distance between two cloths in metres: none touches another.
 const SPACING: f32 = 4.0;
-/// Numbers of cloths, and particles along their sides.
-const SCENES: [(u16, u32); 4] = [(1, 64), (10, 64), (100, 64), (1000, 16)];
-
 /// Arguments of `frame`.
 #[derive(Args, Clone, Debug)]
 pub struct FrameArguments {
+    /// Numbers of cloths.
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 10, 100, 1000])]
+    cloths: Vec<u16>,
+    /// Particles along a side of a cloth, for each of these numbers.
+    #[arg(long, value_delimiter = ',', default_values_t = [64, 64, 64, 16])]
+    sizes: Vec<u32>,
+    /// No wind blows.
+    #[arg(long)]
+    still: bool,
     /// Threads for all of Bevy's tasks, and as many for its renderer's.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: u32,
@@ -100,8 +106,8 @@ pub fn report(arguments: &FrameArguments) -> Result<(), Box<dyn Error>> {
         "all but the step, in steps",
         "paused frame",
     ]);
-    let all: Vec<FrameCost> =
-        SCENES.into_iter().map(|(cloths, n)| measure(arguments, cloths, n)).collect();
+    let scenes = arguments.cloths.iter().zip(&arguments.sizes);
+    let all: Vec<FrameCost> = scenes.map(|(&cloths, &n)| measure(arguments, cloths, n)).collect();
     for cost in &all {
         let FrameCost { cloths, n, step, record, write, main, extract, render, paused } = *cost;
         let or_none = |time: Option<f64>| time.map_or("-".into(), |time| format!("{time:.3}"));
@@ -127,7 +133,7 @@ pub fn report(arguments: &FrameArguments) -> Result<(), Box<dyn Error>> {
 
 /// The parts of a frame with `cloths` of `n` x `n` particles in the wind.
 fn measure(arguments: &FrameArguments, cloths: u16, n: u32) -> FrameCost {
-    let mut app = app(arguments.threads);
+    let mut app = app(arguments);
     spawn(&mut app, cloths, n);
     run(&mut app, WARM_UP);
     let mut moving = run(&mut app, arguments.frames as usize);
@@ -155,18 +161,19 @@ fn measure(arguments: &FrameArguments, cloths: u16, n: u32) -> FrameCost {
 }
 
 /// An app with Bevy's renderer, without a window.
-fn app(threads: u32) -> App {
+fn app(FrameArguments { threads, still, .. }: &FrameArguments) -> App {
+    let threads = *threads as usize;
     let mut app = App::new();
     let policy = TaskPoolThreadAssignmentPolicy {
-        min_threads: threads as usize,
-        max_threads: threads as usize,
+        min_threads: threads,
+        max_threads: threads,
         percent: 1.0,
         on_thread_spawn: None,
         on_thread_destroy: None,
     };
     let pools = TaskPoolOptions {
-        min_total_threads: 3 * threads as usize,
-        max_total_threads: 3 * threads as usize,
+        min_total_threads: 3 * threads,
+        max_total_threads: 3 * threads,
         io: policy.clone(),
         async_compute: policy.clone(),
         compute: policy,
@@ -181,12 +188,14 @@ fn app(threads: u32) -> App {
     )
     .add_plugins(DrapePlugins::default())
     .insert_resource(Time::<Fixed>::from_duration(Duration::from_secs_f32(STEP)))
-    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-    .insert_resource(Wind {
-        gusts: Gusts { speed: 2.0, ..Gusts::default() },
-        lift_coefficient: 1.0,
-        ..Wind::new(Vec3::new(4.0, 0.0, 1.0))
-    });
+    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    if !still {
+        app.insert_resource(Wind {
+            gusts: Gusts { speed: 2.0, ..Gusts::default() },
+            lift_coefficient: 1.0,
+            ..Wind::new(Vec3::new(4.0, 0.0, 1.0))
+        });
+    }
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }

@@ -9,9 +9,9 @@ pub mod broad;
 pub mod contact;
 pub mod contact_cost;
 pub mod fabrics;
-pub mod golden;
 #[cfg(feature = "frame")]
 pub mod frame;
+pub mod golden;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod oracle;

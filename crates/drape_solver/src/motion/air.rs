@@ -146,9 +146,14 @@ impl<'a> Air<'a> {
 /// The weights of `count` points a unit apart at a distance of `steps` from the first. Beyond the ends, the ends count.
 #[inline(always)]
 fn weights<S: Simd>(simd: S, steps: f32x16<S>, count: usize) -> [f32x16<S>; MOST_PLACES] {
-    let [zero, one] = [0.0, 1.0].map(|number| f32x16::splat(simd, number));
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let steps = steps.max(zero).min(f32x16::splat(simd, count as f32 - 1.0));
-    core::array::from_fn(|point| (one - (steps - f32x16::splat(simd, point as f32)).abs()).max(zero))
+    // Closures in arrays are not inlined here, and then are calls with all registers in memory.
+    let mut weights = [zero; MOST_PLACES];
+    for (point, weight) in weights.iter_mut().enumerate() {
+        *weight = (one - (steps - f32x16::splat(simd, point as f32)).abs()).max(zero);
+    }
+    weights
 }
 
 /// True if an obstacle stands on the way upwind from a place.

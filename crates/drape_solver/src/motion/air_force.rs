@@ -44,6 +44,17 @@ struct Corner<S: Simd> {
     inverse_mass: f32x16<S>,
 }
 
+impl<S: Simd> Corner<S> {
+    #[inline(always)]
+    fn of(simd: S, (position, displacement, inverse_mass): &(Cell, Cell, [f32; LANES])) -> Self {
+        Self {
+            position: Lanes3::load(simd, position),
+            displacement: Lanes3::load(simd, displacement),
+            inverse_mass: load(simd, inverse_mass),
+        }
+    }
+}
+
 impl Kernel for Blow<'_> {
     type Output = ();
 
@@ -78,13 +89,12 @@ impl Blow<'_> {
                 (cell, usize::from(next) + if below { across } else { 0 })
             };
             let places = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
-            let corners = places.map(|(cell, shift)| {
-                let Corner { position, displacement, inverse_mass } = self.corner(simd, cell);
-                let [position, displacement] = [position, displacement].map(|v| v.shifted_by(shift));
-                Corner { position, displacement, inverse_mass: shifted_by(inverse_mass, shift) }
-            });
-            let [a, b, c, d] = corners.map(|corner| corner.position);
-            let double_area = d.minus(a).cross(b.minus(c));
+            let mut corners = [self.corner(simd, places[0]); 4];
+            for (corner, place) in corners[1..].iter_mut().zip(&places[1..]) {
+                *corner = self.corner(simd, *place);
+            }
+            let [a, b, c, d] = &corners;
+            let double_area = d.position.minus(a.position).cross(b.position.minus(c.position));
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
             let share = self.on_surface(simd, &corners, double_area, lanes);
             for (cell, shift) in places {
@@ -116,11 +126,10 @@ impl Blow<'_> {
                     inverse_mass[lane] = self.particles.inverse_mass[slot];
                 }
             }
-            let corners = cells.map(|(position, displacement, inverse_mass)| Corner {
-                position: Lanes3::load(simd, &position),
-                displacement: Lanes3::load(simd, &displacement),
-                inverse_mass: load(simd, &inverse_mass),
-            });
+            let mut corners = [Corner::of(simd, &cells[0]); N];
+            for (corner, cell) in corners[1..].iter_mut().zip(&cells[1..]) {
+                *corner = Corner::of(simd, cell);
+            }
             let lanes = mask32x16::from_bitmask(simd, u64::from(first_lanes(elements.len())));
             let mut share = Cell::default();
             force(self, simd, &corners, lanes).store(&mut share);
@@ -134,20 +143,23 @@ impl Blow<'_> {
         }
     }
 
+    /// The particles of a cell, each in the lane so many lower.
     #[inline(always)]
-    fn corner<S: Simd>(&self, simd: S, cell: usize) -> Corner<S> {
-        let (inverse_mass, _) = self.particles.inverse_mass.as_chunks::<LANES>();
+    fn corner<S: Simd>(&self, simd: S, (cell, shift): (usize, usize)) -> Corner<S> {
+        let Particles { position, displacement, inverse_mass, .. } = self.particles;
+        let (inverse_mass, _) = inverse_mass.as_chunks::<LANES>();
         Corner {
-            position: Lanes3::load(simd, &self.particles.position.cells[cell]),
-            displacement: Lanes3::load(simd, &self.particles.displacement.cells[cell]),
-            inverse_mass: load(simd, &inverse_mass[cell]),
+            position: Lanes3::load(simd, &position.cells[cell]).shifted_by(shift),
+            displacement: Lanes3::load(simd, &displacement.cells[cell]).shifted_by(shift),
+            inverse_mass: shifted_by(load(simd, &inverse_mass[cell]), shift),
         }
     }
 
     #[inline(always)]
     fn on_face<S: Simd>(&self, simd: S, corners: &[Corner<S>; 3], lanes: mask32x16<S>) -> Lanes3<S> {
-        let [p, q, r] = corners.map(|corner| corner.position);
-        self.on_surface(simd, corners, q.minus(p).cross(r.minus(p)), lanes)
+        let [p, q, r] = corners;
+        let double_area = q.position.minus(p.position).cross(r.position.minus(p.position));
+        self.on_surface(simd, corners, double_area, lanes)
     }
 
     /// The force on each corner of a square or face with this area vector, twice as long.
@@ -186,7 +198,11 @@ impl Blow<'_> {
     /// The velocity of the air in the middle between corners.
     #[inline(always)]
     fn air_at_middle<S: Simd, const N: usize>(&self, simd: S, corners: &[Corner<S>; N]) -> Lanes3<S> {
-        let middle = sum(simd, corners.map(|corner| corner.position)).times(f32x16::splat(simd, 1.0 / N as f32));
+        let mut sum = corners[0].position;
+        for corner in &corners[1..] {
+            sum = sum.plus(corner.position);
+        }
+        let middle = sum.times(f32x16::splat(simd, 1.0 / N as f32));
         self.air.velocities(simd, middle.plus(Lanes3::splat(simd, self.particles.origin)))
     }
 
@@ -204,13 +220,16 @@ impl Blow<'_> {
         area: f32x16<S>,
     ) -> Lanes3<S> {
         let Wind { air_density, drag_coefficient, lift_coefficient, .. } = *self.wind;
-        let [zero, least] = [0.0, f32::MIN_POSITIVE].map(|number| f32x16::splat(simd, number));
+        let (zero, least) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, f32::MIN_POSITIVE));
         let part = 1.0 / N as f32;
-        let own = sum(simd, corners.map(|corner| corner.displacement));
-        let own = own.times(f32x16::splat(simd, part / self.particles.substep));
+        let Corner { displacement: mut way, mut inverse_mass, .. } = corners[0];
+        for corner in &corners[1..] {
+            way = way.plus(corner.displacement);
+            inverse_mass += corner.inverse_mass;
+        }
+        let own = way.times(f32x16::splat(simd, part / self.particles.substep));
         let relative = velocity.minus(own);
-        let inverse_mass = corners.iter().fold(zero, |sum, corner| sum + corner.inverse_mass) * part;
-        let by_force = inverse_mass.max(least) * (self.dt * part * MEETING[N]);
+        let by_force = (inverse_mass * part).max(least) * (self.dt * part * MEETING[N]);
 
         let speed = relative.dot(normal);
         let force = area * (0.5 * air_density * drag_coefficient) * speed * speed.abs();
@@ -231,19 +250,13 @@ impl Blow<'_> {
     }
 }
 
-#[inline(always)]
-fn sum<S: Simd, const N: usize>(simd: S, vectors: [Lanes3<S>; N]) -> Lanes3<S> {
-    vectors.into_iter().fold(Lanes3::splat(simd, Vec3::ZERO), Lanes3::plus)
-}
-
 /// Bit mask of the lanes in which a square begins in this column and row of their patch.
 #[inline(always)]
 fn squares_at(grid: Grid, column: usize, row: usize) -> u16 {
     let Grid { columns, rows, across, down, width, height } = grid;
     let begins = |patch: usize, size: usize, within: usize, count: usize| patch * size + within + 1 < count;
-    let in_row = (0..across).fold(0_u32, |bits, patch| {
-        bits | (u32::from(begins(patch, width, column, columns)) << patch)
-    });
+    let in_row = (0..across)
+        .fold(0_u32, |bits, patch| bits | (u32::from(begins(patch, width, column, columns)) << patch));
     let all = (0..down).filter(|&patch| begins(patch, height, row, rows));
     all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
 }

@@ -190,7 +190,13 @@ impl Particles {
 
     /// Positions of all particles in the world, in metres.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
-        self.layout.slots().map(|slot| self.origin + self.position.get(slot))
+        self.local_positions().map(|position| self.origin + position)
+    }
+
+    /// Positions of all particles relative to [`origin`](Self::origin), in metres: exact where
+    /// [`positions`](Self::positions) round.
+    pub fn local_positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        self.layout.slots().map(|slot| self.position.get(slot))
     }
 
     /// Position relative to [`origin`](Self::origin) of particle `i`, in metres: exact where

@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::change_detection::collect_changed;
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
-use crate::render::surface::{EntitySpace, Surface};
+use crate::render::surface::Surface;
 
 /// The mesh that a body or an obstacle was made from, which stays unchanged, and the copy that is shown.
 #[derive(Component, Clone, Debug)]
@@ -147,8 +147,7 @@ pub(crate) fn show_copy(
     mut surface: Surface,
     mut copy: Mesh,
 ) {
-    let bounds =
-        EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0, &default()));
+    let bounds = surface.write_now(&mut copy, transform);
     let shown = meshes.add(copy);
     surface.mesh = shown.id();
     let state = MeshSource { source, shown: Some(shown.id()) };
