@@ -3,13 +3,13 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use drape_solver::Topology;
 
 use crate::body::on_gpu::AnyParts;
 use crate::body::particles::Particles;
-use crate::render::surface::position_and_normal;
+use crate::render::surface::{indices, position_and_normal};
 use crate::render::tube::{MOST_SIDES, Tube};
 use crate::render::views::Views;
 
@@ -138,7 +138,7 @@ pub(crate) fn build_rope_meshes(
         made.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; tube.vertex_count()]);
         made.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; tube.vertex_count()]);
         made.insert_attribute(Mesh::ATTRIBUTE_UV_0, tube.texture_coordinates());
-        made.insert_indices(Indices::U32(tube.indices()));
+        made.insert_indices(indices(tube.vertex_count(), &tube.indices()));
         let handle = meshes.add(made);
         let current: Vec<Vec3> = order.iter().map(|&i| particles.position(i as usize)).collect();
         let surface = RopeSurface {

@@ -438,9 +438,19 @@ pub(crate) fn complete(mesh: &mut Mesh, shown: &impl Shown, topology: &Topology)
         mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, shown.texture_coordinates());
     }
     if mesh.try_indices_option().is_ok_and(|indices| indices.is_none()) {
-        mesh.insert_indices(Indices::U32(topology.faces().as_flattened().to_vec()));
+        mesh.insert_indices(indices(count, topology.faces().as_flattened()));
     }
     true
+}
+
+/// Indices among `count` vertices, as short as they may be: they are copied whenever the vertices have changed.
+pub(crate) fn indices(count: usize, corners: &[u32]) -> Indices {
+    // The greatest number is left free: in a strip it would begin a new one.
+    if count <= usize::from(u16::MAX) {
+        Indices::U16(corners.iter().map(|&corner| corner as u16).collect())
+    } else {
+        Indices::U32(corners.to_vec())
+    }
 }
 
 /// True if `mesh` has a position and a normal for each of `count` particles.

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::TornMesh;
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
-use crate::render::surface::Surface;
+use crate::render::surface::{Surface, indices};
 
 /// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(
@@ -72,6 +72,6 @@ fn torn_mesh(mesh: &Mesh, origins: &[u32], faces: &[[u32; 3]]) -> Option<Mesh> {
     // `duplicate_vertices` copies vertices by index: these are the indices.
     torn.try_insert_indices(Indices::U32(origins.to_vec())).ok()?;
     torn.try_duplicate_vertices().ok()?;
-    torn.try_insert_indices(Indices::U32(faces.as_flattened().to_vec())).ok()?;
+    torn.try_insert_indices(indices(origins.len(), faces.as_flattened())).ok()?;
     Some(torn)
 }

@@ -83,13 +83,14 @@ pub(crate) fn write_surfaces(
             };
             carriers.find(&drawn, &mut near, &mut carried);
         }
-        let mut bounds = Some(surface.bounds(&space, fraction, carried.greatest));
-        if bounds.is_some_and(|bounds| views.may_see(entity, &bounds, transform))
+        let mut bounds = surface.bounds(&space, fraction, carried.greatest);
+        if views.may_see(entity, &bounds, transform)
             && let Some(mut asset) = meshes.get_mut(mesh)
         {
-            bounds = surface.write(&mut asset, &space, fraction, &carried);
+            let Some(written) = surface.write(&mut asset, &space, fraction, &carried) else { continue };
+            bounds = written;
         }
-        if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
+        if let Some(mut aabb) = aabb {
             aabb.set_if_neq(bounds);
         }
     }

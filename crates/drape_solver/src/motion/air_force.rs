@@ -260,3 +260,176 @@ fn squares_at(grid: Grid, column: usize, row: usize) -> u16 {
     let all = (0..down).filter(|&patch| begins(patch, height, row, rows));
     all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use std::sync::Arc;
+
+    use crate::build::cloth::ClothBuilder;
+    use crate::build::rope::RopeBuilder;
+    use crate::build::topology_builder::TopologyBuilder;
+    use crate::constraint::testing::dice;
+    use crate::motion::environment::Environment;
+    use crate::motion::wind::Turbulence;
+    use crate::simd::isa::Isa;
+    use crate::simd::miri::unless_miri;
+    use crate::state::body::Body;
+    use crate::state::settings::BodySettings;
+
+    const DT: f32 = 0.01;
+
+    fn gusty() -> Wind {
+        let turbulence = Turbulence { speed: 3.0, length: 2.0, seed: 5 };
+        Wind { turbulence, lift_coefficient: 0.8, ..Wind::new(Vec3::new(5.0, -1.0, 3.0)) }
+    }
+
+    /// The force on each particle.
+    fn blown(body: &Body, wind: &Wind, isa: Isa) -> Vec<Vec3> {
+        let Body { particles, topology, .. } = body;
+        let mut particles = particles.clone();
+        particles.arrange(&topology.layout);
+        let (low, high) = particles.bounds();
+        let environment = Environment::default();
+        let air = Air::new(wind, &[], &environment.obstacles, 1.5, [low, high]).expect("it moves");
+        let mut forces = vec![Cell::default(); particles.layout.cells()];
+        let (particles, air, forces_of) = (&particles, &air, &mut forces);
+        isa.run(Blow { particles, topology, thickness: 0.01, air, wind, dt: DT, forces: forces_of });
+        particles.layout.slots().map(|slot| forces[slot / LANES].get(slot % LANES)).collect()
+    }
+
+    /// A crumpled sheet in motion, with pins.
+    fn crumpled(columns: u32, rows: u32) -> Body {
+        let cloth = ClothBuilder::new(2.0, 1.5, columns, rows);
+        let mut body = cloth
+            .pin_where(|column, row, _| column + row == 0)
+            .build(BodySettings::default())
+            .expect("valid");
+        let mut dice = dice(11);
+        for i in 0..body.particles.len() {
+            let place = body.particles.position(i) + Vec3::new(dice(), dice(), dice()) * 0.02;
+            body.particles.set_position(i, place);
+            body.particles.set_velocity(i, Vec3::new(dice(), dice(), dice()) * 4.0);
+        }
+        body
+    }
+
+    /// The formula of `Wind`, for one element at a time and in double precision.
+    fn expected(
+        body: &Body,
+        wind: &Wind,
+        elements: &[Vec<usize>],
+        area: impl Fn(&[DVec3], DVec3) -> DVec3,
+    ) -> Vec<DVec3> {
+        let particles = &body.particles;
+        let (low, high) = particles.bounds();
+        let environment = Environment::default();
+        let air = Air::new(wind, &[], &environment.obstacles, 1.5, [low, high]).expect("it moves");
+        let mut forces = vec![DVec3::ZERO; particles.len()];
+        for corners in elements {
+            let share = 1.0 / corners.len() as f64;
+            let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&i| of(i)).sum::<DVec3>() * share;
+            let places: Vec<DVec3> = corners.iter().map(|&i| particles.position(i).as_dvec3()).collect();
+            let middle = mean(&|i| particles.position(i).as_dvec3());
+            let velocity = air_at(&air, middle.as_vec3()).as_dvec3();
+            let vector = area(&places, velocity);
+            let (area, normal) = (vector.length(), vector.normalize());
+            let relative = velocity - mean(&|i| particles.velocity(i).as_dvec3());
+            let speed = relative.dot(normal);
+            let strength = 0.5 * f64::from(wind.air_density) * area;
+            let drag = strength * f64::from(wind.drag_coefficient) * speed * speed.abs();
+            let size = relative.length();
+            let lift = (normal * size * size - relative * speed)
+                * (strength * f64::from(wind.lift_coefficient) * speed / size);
+            let inverse_mass =
+                corners.iter().map(|&i| f64::from(particles.inverse_mass(i))).sum::<f64>() * share;
+            let by_force = f64::from(DT) * inverse_mass * share * [2.0, 6.0, 4.0][corners.len() - 2];
+            let force = normal * drag.clamp(-speed.abs() / by_force, speed.abs() / by_force)
+                + lift.clamp_length_max(size / by_force);
+            corners.iter().for_each(|&i| forces[i] += force * share);
+        }
+        forces
+    }
+
+    fn air_at(air: &Air, place: Vec3) -> Vec3 {
+        struct At<'a>(&'a Air<'a>, Vec3);
+        impl Kernel for At<'_> {
+            type Output = Vec3;
+            #[inline(always)]
+            fn run<S: Simd>(self, simd: S) -> Vec3 {
+                let mut cell = Cell::default();
+                self.0.velocities(simd, Lanes3::splat(simd, self.1)).store(&mut cell);
+                cell.get(7)
+            }
+        }
+        Isa::detected().run(At(air, place))
+    }
+
+    fn assert_equal(forces: &[Vec3], expected: &[DVec3], name: &str) {
+        let scale = expected.iter().map(|force| force.length()).fold(0.0, f64::max);
+        assert!(scale > 0.0, "{name}: there is a wind");
+        for (i, (force, expected)) in forces.iter().zip(expected).enumerate() {
+            let error = (force.as_dvec3() - expected).length();
+            assert!(error < 1e-4 * scale, "{name}, particle {i}: {force} instead of {expected}");
+        }
+    }
+
+    /// Grids of each way to cut them into patches, full and with ghosts.
+    #[test]
+    fn a_particle_gets_its_part_of_the_force_on_its_squares() {
+        for (columns, rows) in
+            [(64, 5), (50, 33), (16, 16), (13, 17), (5, 49)].into_iter().take(unless_miri(5, 1))
+        {
+            let body = crumpled(columns, rows);
+            assert!(matches!(body.topology.layout, Layout::Grid(_)) && body.topology.has_faces_by_square);
+            let [columns, rows] = [columns, rows].map(|count| count as usize);
+            let squares =
+                (0..rows - 1).flat_map(|row| (0..columns - 1).map(move |column| row * columns + column));
+            let squares: Vec<Vec<usize>> =
+                squares.map(|i| vec![i, i + 1, i + columns, i + columns + 1]).collect();
+            let area = |p: &[DVec3], _| 0.5 * (p[3] - p[0]).cross(p[1] - p[2]);
+            let forces = expected(&body, &gusty(), &squares, area);
+            for isa in Isa::available() {
+                assert_equal(&blown(&body, &gusty(), isa), &forces, &format!("{columns} x {rows}"));
+            }
+        }
+    }
+
+    /// A grid that is too small for patches, and a mesh.
+    #[test]
+    fn a_particle_gets_its_part_of_the_force_on_its_faces() {
+        let small = crumpled(7, 6);
+        let mut mesh = crumpled(20, 20);
+        let rest: Vec<Vec3> = mesh.particles.positions().collect();
+        let mut builder = TopologyBuilder::new(&rest);
+        builder.faces(mesh.topology.faces().iter().copied()).expect("valid");
+        mesh.topology = Arc::new(builder.build().expect("valid"));
+        for body in [small, mesh] {
+            assert!(!matches!(body.topology.layout, Layout::Grid(_)));
+            let faces = body.topology.faces().iter().map(|face| face.map(|i| i as usize).to_vec());
+            let area = |p: &[DVec3], _| 0.5 * (p[1] - p[0]).cross(p[2] - p[0]);
+            let forces = expected(&body, &gusty(), &faces.collect::<Vec<_>>(), area);
+            assert_equal(&blown(&body, &gusty(), Isa::detected()), &forces, "faces");
+        }
+    }
+
+    /// Lift acts on faces alone.
+    #[test]
+    fn a_particle_gets_its_part_of_the_force_on_its_links() {
+        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::new(2.0, -1.0, 0.5), 39);
+        let mut body = rope.build(BodySettings::default()).expect("valid");
+        let mut dice = dice(3);
+        for i in 0..body.particles.len() {
+            body.particles.set_velocity(i, Vec3::new(dice(), dice(), dice()) * 4.0);
+        }
+        let links = body.topology.segments().iter().map(|link| link.map(|i| i as usize).to_vec());
+        let wind = Wind { lift_coefficient: 0.0, ..gusty() };
+        let area = |p: &[DVec3], velocity: DVec3| {
+            let along = p[1] - p[0];
+            velocity.reject_from(along).normalize() * (2.0 * 0.01 * along.length())
+        };
+        let forces = expected(&body, &wind, &links.collect::<Vec<_>>(), area);
+        assert_equal(&blown(&body, &gusty(), Isa::detected()), &forces, "links");
+    }
+}
