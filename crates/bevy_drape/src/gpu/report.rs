@@ -30,8 +30,8 @@ use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::rest::sleeper;
 use crate::refusal::Refusals;
+use crate::render::entity_space::EntitySpace;
 use crate::render::rope_mesh::RopeSurface;
-use crate::render::surface::EntitySpace;
 use crate::sleep::scene_manager::SceneManager;
 
 /// Metres per second by which a body may become faster until the next report.

@@ -15,8 +15,9 @@ use crate::body::on_gpu::OnGpu;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, GpuVertices};
 use crate::render::any_mesh::{AnyMesh, handle_of};
+use crate::render::entity_space::EntitySpace;
 use crate::render::rope_mesh::RopeSurface;
-use crate::render::surface::{EntitySpace, Surface};
+use crate::render::surface::Surface;
 use crate::transform::interpolation::{ShowsBetweenSteps, step_fraction};
 
 /// A body, and the mesh that shows it.

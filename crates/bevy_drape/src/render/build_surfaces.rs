@@ -9,8 +9,10 @@ use bevy::prelude::*;
 use crate::body::on_gpu::{AnyParts, OnGpu};
 use crate::detail::level::CurrentDetail;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
+use crate::render::attributes::{can_be_written, complete};
 use crate::render::detail_mesh::{MeshesOfDetail, new_mesh};
-use crate::render::surface::{Shown, Surface, can_be_written, complete};
+use crate::render::shown::Shown;
+use crate::render::surface::Surface;
 
 /// Gives new and rebuilt cloths their surfaces, and meshes unless they have fitting ones.
 pub(crate) fn build_surfaces<D: Shown>(

@@ -58,13 +58,14 @@ pub(crate) struct DrawnSurface {
 }
 
 /// The obstacles that displace a surface in a frame.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Carried {
     carriers: Vec<Carrier>,
     /// Upper bound on the displacement of any vertex, in metres.
     pub greatest: f32,
 }
 
+#[derive(Clone, Debug)]
 struct Carrier {
     shape: Shape,
     to_shape: Affine3A,

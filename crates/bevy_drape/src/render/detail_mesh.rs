@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use drape_solver::Topology;
 
 use crate::detail::resampling::resample;
-use crate::render::surface::{Shown, complete};
+use crate::render::attributes::complete;
+use crate::render::shown::Shown;
 
 /// Meshes of a cloth from other levels of detail, kept for the return to them.
 #[derive(Component, Clone, Debug, Default)]

@@ -18,14 +18,17 @@
 //! components a piece does not inherit.
 
 pub(crate) mod any_mesh;
+pub(crate) mod attributes;
 pub(crate) mod build_surfaces;
 pub(crate) mod carriers;
 pub(crate) mod detail_mesh;
+pub(crate) mod entity_space;
 pub(crate) mod from_mesh;
 pub(crate) mod mesh_times;
 pub(crate) mod normals;
 pub(crate) mod plugin;
 pub(crate) mod rope_mesh;
+pub(crate) mod shown;
 pub(crate) mod smoothing;
 pub(crate) mod surface;
 pub(crate) mod torn_mesh;

@@ -9,7 +9,7 @@ use drape_solver::Topology;
 
 use crate::body::on_gpu::AnyParts;
 use crate::body::particles::Particles;
-use crate::render::surface::{indices, position_and_normal};
+use crate::render::attributes::{indices, position_and_normal};
 use crate::render::tube::{MOST_SIDES, Tube};
 use crate::render::views::Views;
 

@@ -1,19 +1,16 @@
 //! Surfaces of bodies, and their writing into meshes.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use bevy::camera::primitives::Aabb;
-use bevy::math::{Affine3A, Mat3A, Vec3A};
-use bevy::mesh::{Indices, VertexAttributeValues};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::Topology;
 
-use crate::build::cloth::Cloth;
-use crate::build::soft_ball::SoftBall;
-use crate::detail::level::CurrentDetail;
 use crate::detail::resampling::resample;
+use crate::render::attributes::position_and_normal;
 use crate::render::carriers::Carried;
+use crate::render::entity_space::EntitySpace;
 use crate::render::normals::{write_grid_normals, write_smooth_normals};
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
@@ -60,6 +57,17 @@ impl StepPositions {
     }
 }
 
+/// Vertices of a mesh, which have left it to be written.
+#[derive(Clone, Debug)]
+struct Picture {
+    space: EntitySpace,
+    /// The shown time, from 0, before the last step, to 1, after it.
+    fraction: f32,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    bounds: Option<Aabb>,
+}
+
 /// The surface of a body: its last two states, and the state that its mesh shows.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Surface {
@@ -81,6 +89,10 @@ pub(crate) struct Surface {
     shown: Option<(f32, Affine3A)>,
     /// True if obstacles displaced the mesh when it was last written.
     is_displaced: bool,
+    /// The picture of the present frame, while it is made.
+    picture: Option<Picture>,
+    /// The obstacles that displace it.
+    pub carried: Carried,
     /// Metres by which vertices lay outside the box around the particles that carry them, when they were last written.
     overhang: f32,
 }
@@ -101,6 +113,8 @@ impl Surface {
             is_settled: true,
             shown: None,
             is_displaced: false,
+            picture: None,
+            carried: Carried::default(),
             overhang: 0.0,
         }
     }
@@ -218,10 +232,56 @@ impl Surface {
         carried: &Carried,
     ) -> Option<Aabb> {
         let (positions, normals) = position_and_normal(mesh)?;
-        let count = self.vertices.count(self.current.positions.len());
-        if positions.len() != count || normals.len() != count {
-            return None;
+        self.fits(positions, normals).then(|| self.write_into(positions, normals, space, fraction, carried))
+    }
+
+    /// Takes positions and normals out of `mesh`, for [`draw`](Self::draw). Not if it lacks the right attributes.
+    pub fn take_vertices(&mut self, mesh: &mut Mesh, space: EntitySpace, fraction: f32) {
+        let Some((positions, normals)) = position_and_normal(mesh) else { return };
+        if self.fits(positions, normals) {
+            let [positions, normals] = [positions, normals].map(core::mem::take);
+            self.picture = Some(Picture { space, fraction, positions, normals, bounds: None });
         }
+    }
+
+    /// Writes the vertices that were taken.
+    pub fn draw(&mut self) {
+        let Some(mut picture) = self.picture.take() else { return };
+        let Picture { space, fraction, positions, normals, .. } = &mut picture;
+        let carried = core::mem::take(&mut self.carried);
+        picture.bounds = Some(self.write_into(positions, normals, space, *fraction, &carried));
+        self.carried = carried;
+        self.picture = Some(picture);
+    }
+
+    /// True if vertices were taken.
+    pub fn has_vertices(&self) -> bool {
+        self.picture.is_some()
+    }
+
+    /// Puts the vertices back that were taken, and returns their bounds.
+    pub fn put_back(&mut self, mesh: &mut Mesh) -> Option<Aabb> {
+        let Picture { positions, normals, bounds, .. } = self.picture.take()?;
+        let (own_positions, own_normals) = position_and_normal(mesh)?;
+        (*own_positions, *own_normals) = (positions, normals);
+        bounds
+    }
+
+    /// True if there are as many positions and normals as vertices.
+    fn fits(&self, positions: &[[f32; 3]], normals: &[[f32; 3]]) -> bool {
+        let count = self.vertices.count(self.current.positions.len());
+        positions.len() == count && normals.len() == count
+    }
+
+    /// The same into the buffers of a mesh.
+    fn write_into(
+        &mut self,
+        positions: &mut [[f32; 3]],
+        normals: &mut [[f32; 3]],
+        space: &EntitySpace,
+        fraction: f32,
+        carried: &Carried,
+    ) -> Aabb {
         let fraction = self.fraction(fraction);
         let (previous, current) = (&self.previous, &self.current);
         let from = previous.origin - space.translation;
@@ -278,10 +338,10 @@ impl Surface {
                 let carriers = self.between.iter().copied();
                 let inside = [carriers.clone().fold(high, Vec3::min), carriers.fold(low, Vec3::max)];
                 self.overhang = (inside[0] - low).max(high - inside[1]).max_element().max(0.0);
-                return Some(Aabb::from_min_max(local_low, local_high));
+                return Aabb::from_min_max(local_low, local_high);
             }
         }
-        Some(self.bounds(space, fraction, carried.greatest))
+        self.bounds(space, fraction, carried.greatest)
     }
 
     /// Writes the last state into a new mesh, and returns its bounds; none if either is not possible.
@@ -304,208 +364,5 @@ impl Surface {
 
     fn fraction(&self, fraction: f32) -> f32 {
         if self.is_settled { 1.0 } else { fraction }
-    }
-}
-
-/// The transform from the world into an entity's coordinates.
-pub(crate) struct EntitySpace {
-    to_world: Affine3A,
-    pub translation: Vec3,
-    /// Inverse of rotation and scale; none for the identity, so that numbers are copied exactly.
-    to_local: Option<Mat3A>,
-    /// -1 for a mirroring transform, which reverses faces, else 1.
-    orientation: f32,
-}
-
-impl EntitySpace {
-    /// None if the transform cannot be inverted: a scale of zero, or values that are not finite.
-    pub fn new(transform: &GlobalTransform) -> Option<Self> {
-        let to_world = transform.affine();
-        let matrix = to_world.matrix3;
-        let to_local = (matrix != Mat3A::IDENTITY).then(|| matrix.inverse());
-        let is_usable = to_world.is_finite() && to_local.is_none_or(|inverse| inverse.is_finite());
-        is_usable.then(|| Self {
-            to_world,
-            translation: to_world.translation.into(),
-            to_local,
-            orientation: matrix.determinant().signum(),
-        })
-    }
-
-    /// The inverse of rotation and scale.
-    #[cfg(feature = "gpu")]
-    pub fn to_local(&self) -> Mat3 {
-        self.to_local.map_or(Mat3::IDENTITY, Mat3::from)
-    }
-
-    /// Transforms a world offset from the entity into its coordinates.
-    fn direction(&self, offset: Vec3) -> Vec3 {
-        self.to_local.map_or(offset, |to_local| to_local * offset)
-    }
-
-    /// Returns the box in the entity's coordinates around a box between two world offsets.
-    pub fn bounds(&self, low: Vec3, high: Vec3) -> Aabb {
-        let (centre, half) = (Vec3A::from(low + high) * 0.5, Vec3A::from(high - low) * 0.5);
-        let largest = centre.abs() + half;
-        let (center, half_extents, largest) = match self.to_local {
-            None => (centre, half, largest),
-            Some(to_local) => {
-                let size = to_local.abs();
-                (to_local * centre, size * half, size * largest)
-            }
-        };
-        // A margin for the rounding of vertices.
-        Aabb { center, half_extents: half_extents + largest * (8.0 * f32::EPSILON) }
-    }
-}
-
-/// A description of a body that has one vertex for each particle.
-pub(crate) trait Shown: Component + Clone {
-    /// Layout of the vertices: columns and rows, or rings.
-    fn layout(&self) -> [u32; 2];
-
-    /// The number of vertices.
-    fn vertex_count(&self) -> u64;
-
-    /// Texture coordinates from (0, 0) at the top left to (1, 1).
-    fn texture_coordinates(&self) -> Vec<[f32; 2]>;
-
-    /// Returns the description at a level of detail.
-    fn at(&self, _detail: Option<&CurrentDetail>) -> Cow<'_, Self> {
-        Cow::Borrowed(self)
-    }
-}
-
-impl Shown for Cloth {
-    fn layout(&self) -> [u32; 2] {
-        self.particles.to_array()
-    }
-
-    fn vertex_count(&self) -> u64 {
-        u64::from(self.particles.x) * u64::from(self.particles.y)
-    }
-
-    fn texture_coordinates(&self) -> Vec<[f32; 2]> {
-        let [columns, rows] = self.layout();
-        let part = |i: u32, n: u32| i as f32 / (n.max(2) - 1) as f32;
-        let row = |r: u32| (0..columns).map(move |c| [part(c, columns), part(r, rows)]);
-        (0..rows).flat_map(row).collect()
-    }
-
-    fn at(&self, detail: Option<&CurrentDetail>) -> Cow<'_, Self> {
-        let coarseness = detail.map_or(1, CurrentDetail::coarseness);
-        if coarseness == 1 { Cow::Borrowed(self) } else { Cow::Owned(self.coarsened(coarseness)) }
-    }
-}
-
-impl Shown for SoftBall {
-    fn layout(&self) -> [u32; 2] {
-        [self.rings, 0]
-    }
-
-    fn vertex_count(&self) -> u64 {
-        5 * u64::from(self.rings) * (u64::from(self.rings) + 1)
-    }
-
-    fn texture_coordinates(&self) -> Vec<[f32; 2]> {
-        let ring = |ring: u32| {
-            let (count, radius) = (10 * (ring + 1), (ring + 1) as f32 / self.rings as f32);
-            (0..count).map(move |i| {
-                let around = Vec2::from_angle(core::f32::consts::TAU * i as f32 / count as f32) * radius;
-                [0.5 + 0.5 * around.x, 0.5 - 0.5 * around.y]
-            })
-        };
-        (0..self.rings).flat_map(ring).collect()
-    }
-}
-
-/// Adds missing normals, texture coordinates and indices to `mesh`. False if it does not have one position for each
-/// particle.
-pub(crate) fn complete(mesh: &mut Mesh, shown: &impl Shown, topology: &Topology) -> bool {
-    let count = topology.particle_count();
-    let has = |mesh: &Mesh, id| mesh.try_attribute_option(id).ok().flatten().map(VertexAttributeValues::len);
-    let positions = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten();
-    let Some(VertexAttributeValues::Float32x3(positions)) = positions else {
-        return false;
-    };
-    if positions.len() != count {
-        return false;
-    }
-    if has(mesh, Mesh::ATTRIBUTE_NORMAL) != Some(count) {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; count]);
-    }
-    if has(mesh, Mesh::ATTRIBUTE_UV_0) != Some(count) {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, shown.texture_coordinates());
-    }
-    if mesh.try_indices_option().is_ok_and(|indices| indices.is_none()) {
-        mesh.insert_indices(indices(count, topology.faces().as_flattened()));
-    }
-    true
-}
-
-/// Indices among `count` vertices, as short as they may be: they are copied whenever the vertices have changed.
-pub(crate) fn indices(count: usize, corners: &[u32]) -> Indices {
-    // The greatest number is left free: in a strip it would begin a new one.
-    if count <= usize::from(u16::MAX) {
-        Indices::U16(corners.iter().map(|&corner| corner as u16).collect())
-    } else {
-        Indices::U32(corners.to_vec())
-    }
-}
-
-/// True if `mesh` has a position and a normal for each of `count` particles.
-pub(crate) fn can_be_written(mesh: &Mesh, count: usize) -> bool {
-    [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL].into_iter().all(|attribute| {
-        let values = mesh.try_attribute_option(attribute).ok().flatten();
-        matches!(values, Some(VertexAttributeValues::Float32x3(values)) if values.len() == count)
-    })
-}
-
-/// Returns both buffers at once.
-pub(crate) fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>)> {
-    let (mut positions, mut normals) = (None, None);
-    for (attribute, values) in mesh.try_attributes_mut().ok()? {
-        let VertexAttributeValues::Float32x3(values) = values else {
-            continue;
-        };
-        if attribute.id == Mesh::ATTRIBUTE_POSITION.id {
-            positions = Some(values);
-        } else if attribute.id == Mesh::ATTRIBUTE_NORMAL.id {
-            normals = Some(values);
-        }
-    }
-    positions.zip(normals)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_does_not_leave_a_corner_outside_the_bounds() {
-        let turned = Transform::from_rotation(Quat::from_euler(EulerRot::XYZ, 0.3, 1.0, -0.4));
-        for transform in [Transform::IDENTITY, turned.with_scale(Vec3::new(0.3, 2.0, 1.7))] {
-            let space = EntitySpace::new(&transform.into()).expect("a place of its own");
-            for i in 1..1000 {
-                let i = i as f32;
-                let low = Vec3::new(0.1 * i, -0.7 / i, 1.3 - i);
-                let high = low + Vec3::new(1.0 / i, 0.3 * i, 0.01);
-                let bounds = space.bounds(low, high);
-                for corner in 0..8 {
-                    let pick =
-                        |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-                    let corner =
-                        Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
-                    let seen = Vec3A::from(space.direction(corner));
-                    assert!(seen.cmpge(bounds.min()).all() && seen.cmple(bounds.max()).all(), "{corner}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn an_entity_without_extent_or_place_has_no_space() {
-        assert!(EntitySpace::new(&Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)).into()).is_none());
-        assert!(EntitySpace::new(&Transform::from_xyz(f32::NAN, 0.0, 0.0).into()).is_none());
     }
 }

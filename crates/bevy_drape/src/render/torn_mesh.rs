@@ -6,8 +6,9 @@ use bevy::prelude::*;
 
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::TornMesh;
+use crate::render::attributes::indices;
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
-use crate::render::surface::{Surface, indices};
+use crate::render::surface::Surface;
 
 /// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(

@@ -33,6 +33,9 @@ impl DrapeDiagnosticsPlugin {
     pub const DETECT: DiagnosticPath = DiagnosticPath::const_new("drape/detect");
     /// Time of all substeps, with relaxation and contacts, in milliseconds, added up over islands.
     pub const RELAX: DiagnosticPath = DiagnosticPath::const_new("drape/relax");
+    /// Time to record particles and to write meshes in milliseconds, besides steps.
+    #[cfg(feature = "mesh")]
+    pub const MESHES: DiagnosticPath = DiagnosticPath::const_new("drape/meshes");
     /// Simulated bodies and balls.
     pub const ACTIVE: DiagnosticPath = DiagnosticPath::const_new("drape/active");
     /// Resting bodies and balls.
@@ -57,6 +60,19 @@ impl Plugin for DrapeDiagnosticsPlugin {
             app.register_diagnostic(Diagnostic::new(count).with_smoothing_factor(0.0));
         }
         app.add_systems(Last, measure);
+        #[cfg(feature = "mesh")]
+        app.register_diagnostic(Diagnostic::new(Self::MESHES).with_suffix(" ms"))
+            .add_systems(Last, measure_meshes);
+    }
+}
+
+#[cfg(feature = "mesh")]
+fn measure_meshes(mut diagnostics: Diagnostics, times: Option<Res<crate::render::MeshTimes>>) {
+    if let Some(times) = times {
+        let all = times.record + times.write;
+        diagnostics.add_measurement(&DrapeDiagnosticsPlugin::MESHES, || {
+            all.div_duration_f64(Duration::from_millis(1))
+        });
     }
 }
 
