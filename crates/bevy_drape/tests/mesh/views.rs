@@ -91,7 +91,7 @@ fn what_a_light_sees_is_written_and_what_is_never_culled() {
     app.add_systems(
         PostUpdate,
         (|mut lit: Query<&mut ViewVisibility, With<Lit>>| {
-            lit.iter_mut().for_each(|mut seen| seen.set_visible())
+            lit.iter_mut().for_each(|mut seen| seen.set_visible());
         })
         .in_set(VisibilitySystems::CheckVisibility),
     );
