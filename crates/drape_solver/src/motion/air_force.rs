@@ -15,7 +15,7 @@ use crate::motion::air::Air;
 use crate::motion::wind::Wind;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::{Lanes3, first_lanes, load, shifted_by};
+use crate::simd::lanes::{Lanes3, load, shifted_by};
 use crate::state::layout::{Grid, Layout};
 use crate::state::particles::Particles;
 use crate::state::topology::Topology;
@@ -95,11 +95,12 @@ impl Blow<'_> {
             }
             let [a, b, c, d] = &corners;
             let double_area = d.position.minus(a.position).cross(b.position.minus(c.position));
+            // Lanes without a square have no force.
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-            let share = self.on_surface(simd, &corners, double_area, lanes);
+            let nothing = Lanes3::splat(simd, Vec3::ZERO);
+            let share = self.on_surface(simd, &corners, double_area).or(lanes, nothing);
             for (cell, shift) in places {
                 let forces = &mut self.forces[cell];
-                // Lanes that are shifted round the end have no square, and no force.
                 Lanes3::load(simd, forces).plus(share.shifted_by((LANES - shift) % LANES)).store(forces);
             }
         }
@@ -111,7 +112,7 @@ impl Blow<'_> {
         &mut self,
         simd: S,
         elements: &[[u32; N]],
-        force: impl Fn(&Self, S, &[Corner<S>; N], mask32x16<S>) -> Lanes3<S>,
+        share: impl Fn(&Self, S, &[Corner<S>; N]) -> Lanes3<S>,
     ) {
         for elements in elements.chunks(LANES) {
             let mut slots = [[0; LANES]; N];
@@ -130,11 +131,10 @@ impl Blow<'_> {
             for (corner, cell) in corners[1..].iter_mut().zip(&cells[1..]) {
                 *corner = Corner::of(simd, cell);
             }
-            let lanes = mask32x16::from_bitmask(simd, u64::from(first_lanes(elements.len())));
-            let mut share = Cell::default();
-            force(self, simd, &corners, lanes).store(&mut share);
+            let mut shares = Cell::default();
+            share(self, simd, &corners).store(&mut shares);
             for lane in 0..elements.len() {
-                let share = share.get(lane);
+                let share = shares.get(lane);
                 for slot in slots.map(|slots| slots[lane]) {
                     let forces = &mut self.forces[slot / LANES];
                     forces.add(slot % LANES, share);
@@ -156,10 +156,10 @@ impl Blow<'_> {
     }
 
     #[inline(always)]
-    fn on_face<S: Simd>(&self, simd: S, corners: &[Corner<S>; 3], lanes: mask32x16<S>) -> Lanes3<S> {
+    fn on_face<S: Simd>(&self, simd: S, corners: &[Corner<S>; 3]) -> Lanes3<S> {
         let [p, q, r] = corners;
         let double_area = q.position.minus(p.position).cross(r.position.minus(p.position));
-        self.on_surface(simd, corners, double_area, lanes)
+        self.on_surface(simd, corners, double_area)
     }
 
     /// The force on each corner of a square or face with this area vector, twice as long.
@@ -169,19 +169,18 @@ impl Blow<'_> {
         simd: S,
         corners: &[Corner<S>; N],
         double_area: Lanes3<S>,
-        lanes: mask32x16<S>,
     ) -> Lanes3<S> {
         let length = double_area.dot(double_area).sqrt();
         let zero = f32x16::splat(simd, 0.0);
         let normal = double_area.times(f32x16::splat(simd, 1.0) / length);
         let velocity = self.air_at_middle(simd, corners);
         let share = self.share(simd, corners, velocity, normal, length * 0.5);
-        share.or(lanes & length.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
+        share.or(length.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
     }
 
     /// The force on each end of a link. Its profile is twice the thickness wide, and the wind always meets it squarely.
     #[inline(always)]
-    fn on_link<S: Simd>(&self, simd: S, ends: &[Corner<S>; 2], lanes: mask32x16<S>) -> Lanes3<S> {
+    fn on_link<S: Simd>(&self, simd: S, ends: &[Corner<S>; 2]) -> Lanes3<S> {
         let zero = f32x16::splat(simd, 0.0);
         let along = ends[1].position.minus(ends[0].position);
         let squared = along.dot(along);
@@ -192,7 +191,7 @@ impl Blow<'_> {
         let speed = across.dot(across).sqrt();
         let normal = across.times(f32x16::splat(simd, 1.0) / speed);
         let share = self.share(simd, ends, velocity, normal, area);
-        share.or(lanes & speed.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
+        share.or(speed.simd_gt(zero), Lanes3::splat(simd, Vec3::ZERO))
     }
 
     /// The velocity of the air in the middle between corners.
@@ -278,7 +277,8 @@ mod tests {
     use crate::state::body::Body;
     use crate::state::settings::BodySettings;
 
-    const DT: f32 = 0.01;
+    /// Seconds of a step: in the longer one, the limit on forces counts.
+    const STEPS: [f32; 2] = [0.01, 1.0];
 
     fn gusty() -> Wind {
         let turbulence = Turbulence { speed: 3.0, length: 2.0, seed: 5 };
@@ -286,7 +286,7 @@ mod tests {
     }
 
     /// The force on each particle.
-    fn blown(body: &Body, wind: &Wind, isa: Isa) -> Vec<Vec3> {
+    fn blown(body: &Body, wind: &Wind, dt: f32, isa: Isa) -> Vec<Vec3> {
         let Body { particles, topology, .. } = body;
         let mut particles = particles.clone();
         particles.arrange(&topology.layout);
@@ -295,7 +295,7 @@ mod tests {
         let air = Air::new(wind, &[], &environment.obstacles, 1.5, [low, high]).expect("it moves");
         let mut forces = vec![Cell::default(); particles.layout.cells()];
         let (particles, air, forces_of) = (&particles, &air, &mut forces);
-        isa.run(Blow { particles, topology, thickness: 0.01, air, wind, dt: DT, forces: forces_of });
+        isa.run(Blow { particles, topology, thickness: 0.01, air, wind, dt, forces: forces_of });
         particles.layout.slots().map(|slot| forces[slot / LANES].get(slot % LANES)).collect()
     }
 
@@ -319,6 +319,7 @@ mod tests {
     fn expected(
         body: &Body,
         wind: &Wind,
+        dt: f32,
         elements: &[Vec<usize>],
         area: impl Fn(&[DVec3], DVec3) -> DVec3,
     ) -> Vec<DVec3> {
@@ -344,7 +345,7 @@ mod tests {
                 * (strength * f64::from(wind.lift_coefficient) * speed / size);
             let inverse_mass =
                 corners.iter().map(|&i| f64::from(particles.inverse_mass(i))).sum::<f64>() * share;
-            let by_force = f64::from(DT) * inverse_mass * share * [2.0, 6.0, 4.0][corners.len() - 2];
+            let by_force = f64::from(dt) * inverse_mass * share * [2.0, 6.0, 4.0][corners.len() - 2];
             let force = normal * drag.clamp(-speed.abs() / by_force, speed.abs() / by_force)
                 + lift.clamp_length_max(size / by_force);
             corners.iter().for_each(|&i| forces[i] += force * share);
@@ -389,9 +390,11 @@ mod tests {
             let squares: Vec<Vec<usize>> =
                 squares.map(|i| vec![i, i + 1, i + columns, i + columns + 1]).collect();
             let area = |p: &[DVec3], _| 0.5 * (p[3] - p[0]).cross(p[1] - p[2]);
-            let forces = expected(&body, &gusty(), &squares, area);
-            for isa in Isa::available() {
-                assert_equal(&blown(&body, &gusty(), isa), &forces, &format!("{columns} x {rows}"));
+            for dt in STEPS {
+                let forces = expected(&body, &gusty(), dt, &squares, area);
+                for isa in Isa::available() {
+                    assert_equal(&blown(&body, &gusty(), dt, isa), &forces, &format!("{columns} x {rows}"));
+                }
             }
         }
     }
@@ -409,8 +412,11 @@ mod tests {
             assert!(!matches!(body.topology.layout, Layout::Grid(_)));
             let faces = body.topology.faces().iter().map(|face| face.map(|i| i as usize).to_vec());
             let area = |p: &[DVec3], _| 0.5 * (p[1] - p[0]).cross(p[2] - p[0]);
-            let forces = expected(&body, &gusty(), &faces.collect::<Vec<_>>(), area);
-            assert_equal(&blown(&body, &gusty(), Isa::detected()), &forces, "faces");
+            let faces: Vec<Vec<usize>> = faces.collect();
+            for dt in STEPS {
+                let forces = expected(&body, &gusty(), dt, &faces, area);
+                assert_equal(&blown(&body, &gusty(), dt, Isa::detected()), &forces, "faces");
+            }
         }
     }
 
@@ -429,7 +435,33 @@ mod tests {
             let along = p[1] - p[0];
             velocity.reject_from(along).normalize() * (2.0 * 0.01 * along.length())
         };
-        let forces = expected(&body, &wind, &links.collect::<Vec<_>>(), area);
-        assert_equal(&blown(&body, &gusty(), Isa::detected()), &forces, "links");
+        let links: Vec<Vec<usize>> = links.collect();
+        for dt in STEPS {
+            let forces = expected(&body, &wind, dt, &links, area);
+            assert_equal(&blown(&body, &gusty(), dt, Isa::detected()), &forces, "links");
+        }
+    }
+
+    /// Elements without an area or a direction, and what moves with the air.
+    #[test]
+    fn where_nothing_is_blown_on_there_is_no_force() {
+        let wind = Wind { lift_coefficient: 1.0, ..Wind::new(Vec3::new(3.0, 0.0, 4.0)) };
+        let sheet = |columns, rows| ClothBuilder::new(1.0, 1.0, columns, rows).build(BodySettings::default());
+        let rope = RopeBuilder::new(Vec3::ZERO, wind.velocity, 20).build(BodySettings::default());
+        for (name, body) in [("grid", sheet(16, 16)), ("faces", sheet(6, 6)), ("links", rope)] {
+            let body = body.expect("valid");
+            let [mut carried, mut collapsed] = [body.clone(), body];
+            for i in 0..carried.particles.len() {
+                carried.particles.set_velocity(i, wind.velocity);
+                if name != "links" {
+                    collapsed.particles.set_position(i, Vec3::ONE);
+                }
+            }
+            for body in [carried, collapsed] {
+                for force in blown(&body, &wind, STEPS[0], Isa::detected()) {
+                    assert!(force.length() < 1e-6, "{name}: {force}");
+                }
+            }
+        }
     }
 }
