@@ -90,7 +90,8 @@ pub(crate) struct BodyData {
     pub rows: u32,
     pub inverse_mass: f32,
     pub rescale: f32,
-    pub unused: [u32; 2],
+    pub has_squares: u32,
+    pub unused: u32,
 }
 
 /// `Batch`: sticks that share no particle.

@@ -23,6 +23,8 @@ pub(crate) struct Model {
     pub particle_count: u32,
     /// Columns and rows of a grid.
     pub grid: Option<[u32; 2]>,
+    /// True if the air pushes on its squares.
+    pub has_squares: bool,
 }
 
 /// Sticks that share no particle, with a stiffness that the step decides.
@@ -72,6 +74,7 @@ impl Model {
             first_fan: 0,
             particle_count: count as u32,
             grid: topology.grid_size().map(|size| size.map(|side| side as u32)),
+            has_squares: topology.has_squares(),
         };
         model.push_sticks(topology);
         model.push_tethers(topology);

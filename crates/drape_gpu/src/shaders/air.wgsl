@@ -1,4 +1,7 @@
-// The force of the air: `force.rs` of the solver has the same formulas.
+// The force of the air: `air_force.rs` of the solver has the same formulas.
+
+// A smaller part of the wind across a link is rounding, and has no direction.
+const LEAST_ACROSS: f32 = 1e-5;
 
 fn air_velocity(place: vec3f) -> vec3f {
     var velocity = step.wind;
@@ -32,9 +35,48 @@ fn moved_in_substep(body: Body, index: u32) -> vec3f {
     return select(moved.xyz * body.rescale, way, moved.w != 0.0);
 }
 
-// Acceleration of a particle by the air, in m/s^2: the sum over the faces and links around it. `index` counts from the
-// body's first particle.
+// Acceleration of a particle by the air, in m/s^2. `index` counts from the body's first particle.
 fn air_acceleration(body: Body, index: u32) -> vec3f {
+    if body.has_squares != 0u {
+        return air_on_squares(body, index);
+    }
+    return air_on_fan(body, index);
+}
+
+// By the sum over the squares around it, of which it has a quarter each.
+fn air_on_squares(body: Body, index: u32) -> vec3f {
+    let column = index % body.columns;
+    let row = index / body.columns;
+    var sum = vec3f(0.0);
+    for (var side = 0u; side < 4u; side++) {
+        // From the particle to the first corner of the square.
+        let left = side % 2u;
+        let up = side / 2u;
+        if column < left || row < up || column - left + 1u >= body.columns || row - up + 1u >= body.rows {
+            continue;
+        }
+        let first = index - left - up * body.columns;
+        let a = positions[body.first_particle + first];
+        let b = positions[body.first_particle + first + 1u];
+        let c = positions[body.first_particle + first + body.columns];
+        let d = positions[body.first_particle + first + body.columns + 1u];
+        let double_area = cross(d.xyz - a.xyz, b.xyz - c.xyz);
+        let size = length(double_area);
+        if size > 0.0 {
+            let moved = moved_in_substep(body, first) + moved_in_substep(body, first + 1u)
+                + moved_in_substep(body, first + body.columns) + moved_in_substep(body, first + body.columns + 1u);
+            let velocity = air_velocity(body.origin + 0.25 * (a.xyz + b.xyz + c.xyz + d.xyz));
+            let relative = velocity - moved * (0.25 / body.substep);
+            // Four squares meet at a particle and share the limit.
+            let by_force = step.duration * max(0.25 * (a.w + b.w + c.w + d.w), 1e-30);
+            sum += air_force(relative, double_area / size, 0.5 * size, by_force, true) * 0.25;
+        }
+    }
+    return sum * positions[body.first_particle + index].w;
+}
+
+// By the sum over the faces and links around it.
+fn air_on_fan(body: Body, index: u32) -> vec3f {
     let here = positions[body.first_particle + index];
     let own = moved_in_substep(body, index);
     let per_second = 1.0 / body.substep;
@@ -51,7 +93,7 @@ fn air_acceleration(body: Body, index: u32) -> vec3f {
             let velocity = air_velocity(body.origin + 0.5 * (here.xyz + q.xyz));
             let across = velocity - along * (dot(velocity, along) / max(dot(along, along), 1e-30));
             let speed = length(across);
-            if speed > 0.0 {
+            if speed > LEAST_ACROSS * length(velocity) {
                 let relative = velocity - (own + q_moved) * (0.5 * per_second);
                 let area = 2.0 * body.thickness * length(along);
                 let by_force = step.duration * max(0.5 * (here.w + q.w), 1e-30);

@@ -83,8 +83,9 @@ struct Body {
     inverse_mass: f32,
     // The substep in parts of that of the step before, for displacements.
     rescale: f32,
-    unused_a: u32,
-    unused_b: u32,
+    // 1 if the air pushes on the squares of a grid, 0 if on faces and links.
+    has_squares: u32,
+    unused: u32,
 }
 
 // Sticks that share no particle.

@@ -93,7 +93,8 @@ impl BodyRecord {
             rows,
             inverse_mass: self.inverse_mass,
             rescale: self.rescale,
-            unused: [0; 2],
+            has_squares: u32::from(model.has_squares),
+            unused: 0,
         }
     }
 }

@@ -148,7 +148,7 @@ impl<'a> Air<'a> {
 fn weights<S: Simd>(simd: S, steps: f32x16<S>, count: usize) -> [f32x16<S>; MOST_PLACES] {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let steps = steps.max(zero).min(f32x16::splat(simd, count as f32 - 1.0));
-    // Closures in arrays are not inlined here, and then are calls with all registers in memory.
+    // A closure in `array::from_fn` would not be inlined, and each of its vectors would go through memory.
     let mut weights = [zero; MOST_PLACES];
     for (point, weight) in weights.iter_mut().enumerate() {
         *weight = (one - (steps - f32x16::splat(simd, point as f32)).abs()).max(zero);
@@ -163,4 +163,88 @@ fn is_in_lee(place: Vec3, way: Vec3, obstacles: &Obstacles) -> bool {
         let local = [place, place + way].map(|point| pose.to_local(point));
         !obstacle.is_sensor() && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::environment::Environment;
+    use crate::motion::wind::Turbulence;
+    use crate::simd::isa::{Isa, Kernel};
+
+    struct At<'a>(&'a Air<'a>, &'a Cell);
+
+    impl Kernel for At<'_> {
+        type Output = Cell;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Cell {
+            let mut velocities = Cell::default();
+            self.0.velocities(simd, Lanes3::load(simd, self.1)).store(&mut velocities);
+            velocities
+        }
+    }
+
+    /// The velocity at a place by the waves themselves.
+    fn by_waves(wind: &Wind, place: Vec3, time: f64) -> Vec3 {
+        let waves = wind.turbulence.waves();
+        let gusts = waves.iter().map(|wave| {
+            wave.amplitude
+                * libm::cos(wave.number.dot(place.as_dvec3()) + wave.phase_at_origin(wind.velocity, time))
+        });
+        wind.velocity + gusts.sum::<DVec3>().as_vec3()
+    }
+
+    /// Between corners the velocity is linear along each axis. Beyond them it is that of the border.
+    #[test]
+    fn gusts_are_those_of_the_corners_and_interpolated_between_them() {
+        let turbulence = Turbulence { speed: 3.0, length: 4.0, seed: 8 };
+        let wind = Wind { turbulence, ..Wind::new(Vec3::new(1.0, -2.0, 5.0)) };
+        let (low, size, time) = (Vec3::new(-3.0, 10.0, 0.5), Vec3::new(2.7, 1.8, 0.6), 2.5);
+        let environment = Environment::default();
+        let air = Air::new(&wind, &[], &environment.obstacles, time, [low, low + size]).expect("it moves");
+        assert_eq!(air.counts, [4, 3, 2]);
+        // In parts of the lattice's cells.
+        let places = [
+            [0.0, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 1.0, 1.0],
+            [2.0, 2.0, 0.0],
+            [0.25, 0.0, 0.0],
+            [1.5, 1.0, 0.0],
+            [1.0, 0.75, 1.0],
+            [2.0, 1.0, 0.4],
+            [0.3, 1.6, 0.7],
+            [2.9, 0.1, 0.2],
+            [-1.0, 1.0, 0.0],
+            [4.0, 1.0, 1.0],
+            [1.0, 5.0, 0.5],
+            [0.5, 0.5, -2.0],
+        ];
+        let mut cell = Cell::default();
+        let at = |steps: [f32; 3]| low + Vec3::from(steps) * size / Vec3::new(3.0, 2.0, 1.0);
+        places.into_iter().enumerate().for_each(|(lane, steps)| cell.set(lane, at(steps)));
+        let velocities = Isa::detected().run(At(&air, &cell));
+        for (lane, steps) in places.into_iter().enumerate() {
+            let within =
+                [(steps[0], 3.0), (steps[1], 2.0), (steps[2], 1.0)].map(|(step, most)| step.clamp(0.0, most));
+            let first = [(within[0], 2.0), (within[1], 1.0), (within[2], 0.0)]
+                .map(|(step, most)| step.floor().min(most));
+            let mut expected = Vec3::ZERO;
+            for corner in 0..8 {
+                let next = [corner & 1, corner >> 1 & 1, corner >> 2].map(|side| side as f32);
+                let part = |axis: usize| {
+                    let part = within[axis] - first[axis];
+                    if next[axis] == 1.0 { part } else { 1.0 - part }
+                };
+                let weight = part(0) * part(1) * part(2);
+                let place = at([0, 1, 2].map(|axis| first[axis] + next[axis]));
+                expected += by_waves(&wind, place, time) * weight;
+            }
+            let error = velocities.get(lane).distance(expected);
+            assert!(error < 1e-3, "{steps:?}: {} instead of {expected}", velocities.get(lane));
+        }
+    }
 }

@@ -102,7 +102,8 @@ pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
         5 => v.slide::<5>(v),
         11 => v.slide::<11>(v),
         12 => v.slide::<12>(v),
-        _ => v.slide::<15>(v),
+        15 => v.slide::<15>(v),
+        _ => unreachable!("no patch lies {lanes} lanes away"),
     }
 }
 

@@ -319,6 +319,12 @@ impl Topology {
         self.batches.iter().all(is_whole).then_some([columns, rows])
     }
 
+    /// True if the air pushes on the squares of a grid, false if on each of the [faces](Self::faces) and
+    /// [segments](Self::segments).
+    pub fn has_squares(&self) -> bool {
+        self.has_faces_by_square && self.grid_size().is_some_and(|[columns, rows]| columns > 1 && rows > 1)
+    }
+
     /// True if it resists bending by a [rigidity](crate::BendingRigidity).
     pub fn has_bending_rigidity(&self) -> bool {
         self.bends != Bends::default()
