@@ -4,6 +4,7 @@ use std::alloc::System;
 use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
+use bevy::camera::CameraProjection;
 use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
@@ -49,6 +50,8 @@ fn a_warm_step_and_its_picture_allocate_nothing() {
     let curtain = world.spawn(Cloth::new(1.0, 1.0).with_pins(ClothPins::Indices(vec![0]))).id();
     world.spawn((Mesh3d(sheet), DrivenMesh { driver: curtain }));
     world.spawn((Rope::default(), RopeMesh::default(), Transform::from_xyz(3.0, 2.0, 0.0)));
+    let view = PerspectiveProjection::default().compute_frustum(&Transform::from_xyz(0.0, 1.0, 9.0).into());
+    world.spawn((Camera::default(), view));
     world.insert_resource(SceneManager { sleeping: false, ..default() });
     let steps = |world: &mut World, count: usize| {
         for _ in 0..count {

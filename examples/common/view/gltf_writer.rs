@@ -1,6 +1,6 @@
 //! Binary glTF files, written as an artist's tool would export them.
 
-use bevy::mesh::{Indices, VertexAttributeValues};
+use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use serde_json::{Value, json};
 
@@ -95,8 +95,9 @@ impl GltfWriter {
             attributes[name] = json!(place);
         }
         let mut primitive = json!({ "attributes": attributes, "material": material });
-        if let Some(Indices::U32(indices)) = mesh.indices() {
-            primitive["indices"] = json!(self.indices(indices));
+        if let Some(indices) = mesh.indices() {
+            let indices: Vec<u32> = indices.iter().map(|index| index as u32).collect();
+            primitive["indices"] = json!(self.indices(&indices));
         }
         primitive
     }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 pub struct MeshTimes {
-    /// To record the particles after the last step.
+    /// To record the particles of cloths and soft balls after the last step, whichever frame that was in.
     pub record: Duration,
     /// To write the vertices, normals and bounds of the last frame.
     pub write: Duration,

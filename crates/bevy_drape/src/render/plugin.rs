@@ -2,7 +2,7 @@
 //!
 //! Each frame interpolates the vertices between the last two steps, so that motion is smooth at any frame rate, and
 //! computes smooth normals and bounds. Attributes are written in place: nothing is allocated once a mesh exists. What is
-//! at rest, or seen by no camera and no light, is neither written nor uploaded; in an app without cameras all is written. Cloth has two sides: give it a material that is `double_sided` and
+//! at rest, or outside of what cameras and lights see, is neither written nor uploaded; in an app without cameras all is written. Cloth has two sides: give it a material that is `double_sided` and
 //! has no `cull_mode`.
 //!
 //! An existing mesh is kept if it has one vertex for each particle, in the particles' order: texture coordinates,
@@ -142,6 +142,8 @@ impl Plugin for MeshPlugin {
                     .run_if(resource_exists::<Assets<Mesh>>)
                     .after(TransformSystems::Propagate)
                     .after(VisibilitySystems::UpdateFrusta)
+                    // What was visible in the last frame is known until then.
+                    .before(VisibilitySystems::VisibilityPropagate)
                     .before(AssetEventSystems)
                     .before(VisibilitySystems::CalculateBounds),
                 (hide_culled, hide_driven).chain().before(VisibilitySystems::VisibilityPropagate),

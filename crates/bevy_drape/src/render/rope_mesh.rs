@@ -9,7 +9,7 @@ use drape_solver::Topology;
 
 use crate::body::on_gpu::AnyParts;
 use crate::body::particles::Particles;
-use crate::render::attributes::{indices, position_and_normal};
+use crate::render::attributes::{can_be_written, indices, position_and_normal};
 use crate::render::tube::{MOST_SIDES, Tube};
 use crate::render::views::Views;
 
@@ -195,6 +195,9 @@ pub(crate) fn write_ropes(
             bounds.set_if_neq(Aabb { half_extents, ..around });
         }
         if !views.may_see(entity, &bounds, transform) {
+            continue;
+        }
+        if !meshes.get(*mesh).is_some_and(|asset| can_be_written(asset, asset.count_vertices())) {
             continue;
         }
         let Some(mut asset) = meshes.get_mut(*mesh) else { continue };

@@ -15,7 +15,7 @@ use crate::render::normals::{write_grid_normals, write_smooth_normals};
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
 
-/// Bounds allow for an overhang that has grown so many times since vertices were last written.
+/// Bounds allow for an overhang that has grown so many times since vertices were written.
 const OVERHANG_GROWTH: f32 = 2.0;
 
 /// Positions of the particles after one step.
@@ -57,9 +57,9 @@ impl StepPositions {
     }
 }
 
-/// Vertices of a mesh, which have left it to be written.
+/// Vertices that have been taken out of a mesh to be written.
 #[derive(Clone, Debug)]
-struct Picture {
+struct TakenVertices {
     space: EntitySpace,
     /// The shown time, from 0, before the last step, to 1, after it.
     fraction: f32,
@@ -89,11 +89,11 @@ pub(crate) struct Surface {
     shown: Option<(f32, Affine3A)>,
     /// True if obstacles displaced the mesh when it was last written.
     is_displaced: bool,
-    /// The picture of the present frame, while it is made.
-    picture: Option<Picture>,
+    /// Those of its mesh, while they are written.
+    taken: Option<TakenVertices>,
     /// The obstacles that displace it.
     pub carried: Carried,
-    /// Metres by which vertices lay outside the box around the particles that carry them, when they were last written.
+    /// Metres from a vertex to a particle that carries it, at most, when they were last written; zero if vertices are particles.
     overhang: f32,
 }
 
@@ -113,7 +113,7 @@ impl Surface {
             is_settled: true,
             shown: None,
             is_displaced: false,
-            picture: None,
+            taken: None,
             carried: Carried::default(),
             overhang: 0.0,
         }
@@ -209,7 +209,7 @@ impl Surface {
         self.is_displaced || self.shown != Some((self.fraction(fraction), space.to_world))
     }
 
-    /// Bounds of what [`write`](Self::write) would write, for every fraction of the last step, displaced by up to `carried` metres.
+    /// Bounds of what would be written, for every fraction of the last step and displaced by up to `carried` metres.
     pub fn bounds(&self, space: &EntitySpace, fraction: f32, carried: f32) -> Aabb {
         let (previous, current) = (&self.previous, &self.current);
         let from = previous.origin - space.translation;
@@ -222,8 +222,8 @@ impl Surface {
         space.bounds(low - margin, high + margin)
     }
 
-    /// Writes positions and normals into `mesh`, displaced by `carried`, and returns bounds that hold for every fraction of the last step;
-    /// none if the mesh lacks the right attributes.
+    /// Writes positions and normals into `mesh`, displaced by `carried`, and returns their bounds; none if the mesh lacks the right
+    /// attributes.
     pub fn write(
         &mut self,
         mesh: &mut Mesh,
@@ -235,33 +235,35 @@ impl Surface {
         self.fits(positions, normals).then(|| self.write_into(positions, normals, space, fraction, carried))
     }
 
-    /// Takes positions and normals out of `mesh`, for [`draw`](Self::draw). Not if it lacks the right attributes.
-    pub fn take_vertices(&mut self, mesh: &mut Mesh, space: EntitySpace, fraction: f32) {
-        let Some((positions, normals)) = position_and_normal(mesh) else { return };
-        if self.fits(positions, normals) {
+    /// Takes positions and normals out of `mesh`, for [`write_taken`](Self::write_taken). False if it lacks the right attributes, or if
+    /// another surface has taken them.
+    pub fn take_vertices(&mut self, mesh: &mut Mesh, space: EntitySpace, fraction: f32) -> bool {
+        let Some((positions, normals)) = position_and_normal(mesh) else { return false };
+        let fits = self.fits(positions, normals);
+        if fits {
             let [positions, normals] = [positions, normals].map(core::mem::take);
-            self.picture = Some(Picture { space, fraction, positions, normals, bounds: None });
+            self.taken = Some(TakenVertices { space, fraction, positions, normals, bounds: None });
         }
+        fits
     }
 
     /// Writes the vertices that were taken.
-    pub fn draw(&mut self) {
-        let Some(mut picture) = self.picture.take() else { return };
-        let Picture { space, fraction, positions, normals, .. } = &mut picture;
+    pub fn write_taken(&mut self) {
+        let Some(mut taken) = self.taken.take() else { return };
+        let TakenVertices { space, fraction, positions, normals, .. } = &mut taken;
         let carried = core::mem::take(&mut self.carried);
-        picture.bounds = Some(self.write_into(positions, normals, space, *fraction, &carried));
-        self.carried = carried;
-        self.picture = Some(picture);
+        taken.bounds = Some(self.write_into(positions, normals, space, *fraction, &carried));
+        (self.carried, self.taken) = (carried, Some(taken));
     }
 
     /// True if vertices were taken.
-    pub fn has_vertices(&self) -> bool {
-        self.picture.is_some()
+    pub fn has_taken(&self) -> bool {
+        self.taken.is_some()
     }
 
     /// Puts the vertices back that were taken, and returns their bounds.
     pub fn put_back(&mut self, mesh: &mut Mesh) -> Option<Aabb> {
-        let Picture { positions, normals, bounds, .. } = self.picture.take()?;
+        let TakenVertices { positions, normals, bounds, .. } = self.taken.take()?;
         let (own_positions, own_normals) = position_and_normal(mesh)?;
         (*own_positions, *own_normals) = (positions, normals);
         bounds
@@ -273,7 +275,7 @@ impl Surface {
         positions.len() == count && normals.len() == count
     }
 
-    /// The same into the buffers of a mesh.
+    /// Writes positions and normals, displaced by `carried`, and returns their bounds.
     fn write_into(
         &mut self,
         positions: &mut [[f32; 3]],
@@ -301,8 +303,8 @@ impl Surface {
                 } else {
                     positions.iter_mut().zip(&current.positions).for_each(|(vertex, b)| *vertex = after(b));
                 }
-                match self.topology.grid_size() {
-                    Some([columns, _]) => write_grid_normals(positions, columns, space.orientation, normals),
+                match self.columns() {
+                    Some(columns) => write_grid_normals(positions, columns, space.orientation, normals),
                     None => {
                         write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
                     }
@@ -323,22 +325,20 @@ impl Surface {
                     let (a, b) = (from + a, to + b);
                     carried.place(if fraction < 1.0 { a + (b - a) * fraction } else { b })
                 }));
-                let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-                let ([mut low, mut high], [mut local_low, mut local_high]) = (nothing, nothing);
+                let (mut low, mut high, mut overhang) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0_f32);
                 vertices.embedding.write_normals(&self.topology, |i| self.between[i], &mut self.normals);
                 let places = vertices.embedding.places(|i| self.between[i], &self.normals);
-                for (vertex, place) in positions.iter_mut().zip(places) {
-                    (low, high) = (low.min(place), high.max(place));
+                for (i, (vertex, place)) in positions.iter_mut().zip(places).enumerate() {
+                    let carrier = self.between[vertices.embedding.carrier(i) as usize];
+                    overhang = overhang.max(place.distance_squared(carrier));
                     let place = space.direction(place);
-                    (local_low, local_high) = (local_low.min(place), local_high.max(place));
+                    (low, high) = (low.min(place), high.max(place));
                     *vertex = place.to_array();
                 }
                 vertices.groups.write_normals(positions, normals);
                 // Vertices may lie outside the particles that carry them.
-                let carriers = self.between.iter().copied();
-                let inside = [carriers.clone().fold(high, Vec3::min), carriers.fold(low, Vec3::max)];
-                self.overhang = (inside[0] - low).max(high - inside[1]).max_element().max(0.0);
-                return Aabb::from_min_max(local_low, local_high);
+                self.overhang = overhang.sqrt();
+                return Aabb::from_min_max(low, high);
             }
         }
         self.bounds(space, fraction, carried.greatest)
@@ -360,6 +360,16 @@ impl Surface {
     /// True if the body moved in the last step.
     pub fn is_moving(&self) -> bool {
         !self.is_settled
+    }
+
+    /// The number of columns, if it is a whole grid: tears add particles, and pieces have fewer faces.
+    fn columns(&self) -> Option<usize> {
+        let [columns, rows] = self.layout.map(|count| count as usize);
+        let squares = columns.saturating_sub(1) * rows.saturating_sub(1);
+        let is_whole = self.topology.particle_count() == columns * rows
+            && squares > 0
+            && self.topology.faces().len() == 2 * squares;
+        is_whole.then_some(columns)
     }
 
     fn fraction(&self, fraction: f32) -> f32 {

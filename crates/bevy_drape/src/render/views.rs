@@ -1,7 +1,7 @@
-//! Cameras and lights that look: what none of them sees is not written.
+//! Cameras and lights that look: what is outside of all their views is not written.
 //!
-//! A mesh is written before Bevy finds what is visible, so it is asked here whether a camera may see it. Who casts a shadow into a picture may
-//! itself be outside: so whatever was visible to any view in the last frame is written, too.
+//! A mesh is written before Bevy finds what is visible, so the cameras' frusta are asked here. A shadow falls into a picture
+//! from outside of it. Hence what was visible to any view in the last frame, that of a light too, is written as well.
 
 use bevy::camera::primitives::{Aabb, Frustum};
 use bevy::camera::visibility::{NoCpuCulling, NoFrustumCulling};

@@ -98,22 +98,24 @@ pub(crate) fn write_surfaces(
             carriers.find(&drawn, &mut near, &mut surface.carried);
         }
         let bounds = surface.bounds(&space, fraction, surface.carried.greatest);
-        if !views.may_see(entity, &bounds, transform) {
-            if let Some(mut aabb) = aabb {
-                aabb.set_if_neq(bounds);
-            }
-        } else if let Some(asset) = meshes.get_mut_untracked(mesh) {
-            surface.take_vertices(asset, space, fraction);
-            count += 1;
+        if let Some(mut aabb) = aabb {
+            aabb.set_if_neq(bounds);
+        }
+        if views.may_see(entity, &bounds, transform)
+            && let Some(asset) = meshes.get_mut_untracked(mesh)
+        {
+            count += usize::from(surface.take_vertices(asset, space, fraction));
         }
     }
     if count < SHARED_FROM {
-        surfaces.iter_mut().for_each(|(_, mut surface, ..)| surface.bypass_change_detection().draw());
+        surfaces.iter_mut().for_each(|(_, mut surface, ..)| surface.bypass_change_detection().write_taken());
     } else {
-        surfaces.par_iter_mut().for_each(|(_, mut surface, ..)| surface.bypass_change_detection().draw());
+        surfaces
+            .par_iter_mut()
+            .for_each(|(_, mut surface, ..)| surface.bypass_change_detection().write_taken());
     }
     for (_, mut surface, mesh, _, aabb, _) in &mut surfaces {
-        let (true, Some(mesh)) = (surface.has_vertices(), handle_of(mesh)) else { continue };
+        let (true, Some(mesh)) = (surface.has_taken(), handle_of(mesh)) else { continue };
         if let Some(mut asset) = meshes.get_mut(mesh)
             && let Some(bounds) = surface.put_back(&mut asset)
             && let Some(mut aabb) = aabb

@@ -33,7 +33,7 @@ impl DrapeDiagnosticsPlugin {
     pub const DETECT: DiagnosticPath = DiagnosticPath::const_new("drape/detect");
     /// Time of all substeps, with relaxation and contacts, in milliseconds, added up over islands.
     pub const RELAX: DiagnosticPath = DiagnosticPath::const_new("drape/relax");
-    /// Time to record particles and to write meshes in milliseconds, besides steps.
+    /// Time to record particles after the last step, and to write meshes in this frame, in milliseconds.
     #[cfg(feature = "mesh")]
     pub const MESHES: DiagnosticPath = DiagnosticPath::const_new("drape/meshes");
     /// Simulated bodies and balls.

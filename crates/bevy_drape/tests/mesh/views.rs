@@ -1,4 +1,4 @@
-//! What is seen is written, and nothing else.
+//! Meshes in view are written, and no others.
 
 use bevy::camera::CameraProjection;
 use bevy::camera::primitives::{Aabb, Frustum};
@@ -15,7 +15,7 @@ fn camera(app: &mut App) -> Entity {
     app.world_mut().spawn((Camera::default(), looking(Quat::IDENTITY))).id()
 }
 
-/// What a camera at the origin sees, turned by `rotation`.
+/// The view of a camera at the origin, turned by `rotation`.
 fn looking(rotation: Quat) -> Frustum {
     PerspectiveProjection::default().compute_frustum(&Transform::from_rotation(rotation).into())
 }
@@ -118,4 +118,29 @@ fn without_an_active_camera_all_is_written() {
         frame(&mut app, 1.0);
     }
     assert!(farthest(&world_vertices(&app, behind), &particles(&app, behind)) < 0.1);
+}
+
+/// From eight on threads share them.
+#[test]
+fn many_are_written_as_one_is() {
+    let mut app = app();
+    camera(&mut app);
+    let alone = |app: &mut App, x: f32, z: f32| {
+        app.world_mut().spawn((swinging(), Transform::from_xyz(x, 0.0, z))).id()
+    };
+    let seen: Vec<Entity> = (0..12).map(|i| alone(&mut app, 0.0, -5.0 - i as f32)).collect();
+    let behind = alone(&mut app, 0.0, 5.0);
+    start(&mut app);
+    frame(&mut app, 1.0);
+    let before = vertices(&app, behind);
+    for _ in 0..30 {
+        frame(&mut app, 1.4);
+    }
+    for &cloth in &seen {
+        let (own, first) = (vertices(&app, cloth), vertices(&app, seen[0]));
+        assert!(farthest(&own, &first) < 1e-5, "the same cloth elsewhere");
+        assert!(farthest(&world_vertices(&app, cloth), &particles(&app, cloth)) < 0.1);
+        assert!(normals_of(&app, cloth).iter().all(|normal| (normal.length() - 1.0).abs() < 1e-5));
+    }
+    assert_eq!(vertices(&app, behind), before);
 }

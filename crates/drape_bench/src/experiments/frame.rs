@@ -37,6 +37,7 @@ use crate::scenes::world::STEP;
 const WARM_UP: usize = 60;
 /// Distance between two cloths in metres: none touches another.
 const SPACING: f32 = 4.0;
+
 /// Arguments of `frame`.
 #[derive(Args, Clone, Debug)]
 pub struct FrameArguments {
@@ -44,7 +45,7 @@ pub struct FrameArguments {
     #[arg(long, value_delimiter = ',', default_values_t = [1, 10, 100, 1000])]
     cloths: Vec<u16>,
     /// Particles along a side of a cloth, for each of these numbers.
-    #[arg(long, value_delimiter = ',', default_values_t = [64, 64, 64, 16])]
+    #[arg(long, value_delimiter = ',', default_values_t = [64, 64, 64, 16], value_parser = clap::value_parser!(u32).range(2..=1024))]
     sizes: Vec<u32>,
     /// No wind blows.
     #[arg(long)]
@@ -91,8 +92,12 @@ struct Times {
 /// Measures all scenes, prints a table, and writes the figures to a file.
 ///
 /// # Errors
-/// If the file cannot be written.
+/// If there is not one size for each number of cloths, or the file cannot be written.
 pub fn report(arguments: &FrameArguments) -> Result<(), Box<dyn Error>> {
+    let FrameArguments { cloths, sizes, .. } = arguments;
+    if cloths.len() != sizes.len() {
+        return Err(format!("{} numbers of cloths, but {} sizes", cloths.len(), sizes.len()).into());
+    }
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -106,7 +111,7 @@ pub fn report(arguments: &FrameArguments) -> Result<(), Box<dyn Error>> {
         "all but the step, in steps",
         "paused frame",
     ]);
-    let scenes = arguments.cloths.iter().zip(&arguments.sizes);
+    let scenes = cloths.iter().zip(sizes);
     let all: Vec<FrameCost> = scenes.map(|(&cloths, &n)| measure(arguments, cloths, n)).collect();
     for cost in &all {
         let FrameCost { cloths, n, step, record, write, main, extract, render, paused } = *cost;

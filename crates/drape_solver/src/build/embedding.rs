@@ -179,6 +179,15 @@ impl Embedding {
         self.in_cells.get(point).map(|cell| cell.particles)
     }
 
+    /// One of the particles that carry a point.
+    ///
+    /// # Panics
+    /// If `point` is out of range.
+    pub fn carrier(&self, point: usize) -> u32 {
+        let of_cell = self.in_cells.get(point).map(|cell| cell.particles[0]);
+        of_cell.unwrap_or_else(|| self.on_faces[point].particles[0])
+    }
+
     /// Writes the normals of the particles for [`places`](Self::places); none if the points are in cells. Particle `i` is at
     /// `position(i)`.
     pub fn write_normals(
