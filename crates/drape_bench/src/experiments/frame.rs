@@ -233,7 +233,7 @@ fn run(app: &mut App, frames: usize) -> Times {
         apps.main.run_default_schedule();
         times.main.push(start.elapsed());
         let has_device = apps.main.world().contains_resource::<RenderDevice>();
-        for (label, sub_app) in apps.sub_apps.iter_mut() {
+        for (label, sub_app) in &mut apps.sub_apps {
             let start = Instant::now();
             sub_app.extract(apps.main.world_mut());
             let extracted = start.elapsed();
