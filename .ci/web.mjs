@@ -11,7 +11,7 @@ const [site, pictures, golden] = process.argv.slice(2);
 const { chromium } = createRequire(join(process.env.TOOLS, 'package.json'))('playwright-core');
 
 const TYPES = {
-    '.css': 'text/css', '.glb': 'model/gltf-binary', '.html': 'text/html', '.js': 'text/javascript', '.png': 'image/png',
+    '.css': 'text/css', '.glb': 'model/gltf-binary', '.html': 'text/html', '.js': 'text/javascript', '.png': 'image/png', '.svg': 'image/svg+xml',
     '.wasm': 'application/wasm', '.webp': 'image/webp',
 };
 // Chromium without a graphics card.
