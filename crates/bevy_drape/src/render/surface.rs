@@ -222,19 +222,6 @@ impl Surface {
         space.bounds(low - margin, high + margin)
     }
 
-    /// Writes positions and normals into `mesh`, displaced by `carried`, and returns their bounds; none if the mesh lacks the right
-    /// attributes.
-    pub fn write(
-        &mut self,
-        mesh: &mut Mesh,
-        space: &EntitySpace,
-        fraction: f32,
-        carried: &Carried,
-    ) -> Option<Aabb> {
-        let (positions, normals) = position_and_normal(mesh)?;
-        self.fits(positions, normals).then(|| self.write_into(positions, normals, space, fraction, carried))
-    }
-
     /// Takes positions and normals out of `mesh`, for [`write_taken`](Self::write_taken). False if it lacks the right attributes, or if
     /// another surface has taken them.
     pub fn take_vertices(&mut self, mesh: &mut Mesh, space: EntitySpace, fraction: f32) -> bool {
@@ -347,7 +334,8 @@ impl Surface {
     /// Writes the last state into a new mesh, and returns its bounds; none if either is not possible.
     pub fn write_now(&mut self, mesh: &mut Mesh, transform: &GlobalTransform) -> Option<Aabb> {
         let space = EntitySpace::new(transform)?;
-        self.write(mesh, &space, 1.0, &default())
+        let (positions, normals) = position_and_normal(mesh)?;
+        self.fits(positions, normals).then(|| self.write_into(positions, normals, &space, 1.0, &default()))
     }
 
     /// The corners of a box around the last two states, in the world.

@@ -118,7 +118,7 @@ fn sample(entity: EntityRef<'_>, key: Key) -> Option<Sample<'_>> {
         Key::Body(order) => {
             let (particles, sticks) = (entity.get::<Particles>()?, entity.get::<Sticks>()?);
             let describe = move || Track { name: name("body", order), kind: body_kind(&sticks.0) };
-            let positions = (0..particles.len()).map(|i| particles.local_position(i).to_array());
+            let positions = particles.local_positions().map(|place| place.to_array());
             Sample::body(id, describe, particles.origin().to_array(), positions)
         }
         Key::Ball(order) => {

@@ -163,7 +163,7 @@ mod tests {
     }
 
     fn places(body: &Body) -> Vec<Vec3> {
-        (0..body.particles.len()).map(|i| body.particles.local_position(i)).collect()
+        body.particles.local_positions().collect()
     }
 
     /// Forces of the bends on the particles, in units of `kg m` per square of the substep.

@@ -25,7 +25,7 @@ const MOST_PLACES: usize = 4;
 
 /// The air around one body in one step.
 pub(crate) struct Air<'a> {
-    wind: &'a Wind,
+    pub wind: &'a Wind,
     zones: &'a [WindZone],
     low: Vec3,
     /// Distance between neighbours of the lattice, in metres.
@@ -166,13 +166,13 @@ fn is_in_lee(place: Vec3, way: Vec3, obstacles: &Obstacles) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::motion::environment::Environment;
     use crate::motion::wind::Turbulence;
     use crate::simd::isa::{Isa, Kernel};
 
-    struct At<'a>(&'a Air<'a>, &'a Cell);
+    struct At<'a>(&'a Air<'a>, Cell);
 
     impl Kernel for At<'_> {
         type Output = Cell;
@@ -180,9 +180,14 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Cell {
             let mut velocities = Cell::default();
-            self.0.velocities(simd, Lanes3::load(simd, self.1)).store(&mut velocities);
+            self.0.velocities(simd, Lanes3::load(simd, &self.1)).store(&mut velocities);
             velocities
         }
+    }
+
+    /// The velocities of the air at sixteen places.
+    pub(crate) fn velocities(air: &Air, places: Cell) -> Cell {
+        Isa::detected().run(At(air, places))
     }
 
     /// The velocity at a place by the waves themselves.
@@ -226,7 +231,7 @@ mod tests {
         let mut cell = Cell::default();
         let at = |steps: [f32; 3]| low + Vec3::from(steps) * size / Vec3::new(3.0, 2.0, 1.0);
         places.into_iter().enumerate().for_each(|(lane, steps)| cell.set(lane, at(steps)));
-        let velocities = Isa::detected().run(At(&air, &cell));
+        let velocities = velocities(&air, cell);
         for (lane, steps) in places.into_iter().enumerate() {
             let within =
                 [(steps[0], 3.0), (steps[1], 2.0), (steps[2], 1.0)].map(|(step, most)| step.clamp(0.0, most));

@@ -33,7 +33,6 @@ pub(crate) struct Blow<'a> {
     /// Half the width of a link's profile, in metres.
     pub thickness: f32,
     pub air: &'a Air<'a>,
-    pub wind: &'a Wind,
     /// Seconds of the step.
     pub dt: f32,
     pub forces: &'a mut [Cell],
@@ -49,11 +48,21 @@ struct Corner<S: Simd> {
 
 impl<S: Simd> Corner<S> {
     #[inline(always)]
-    fn of(simd: S, (position, displacement, inverse_mass): &(Cell, Cell, [f32; LANES])) -> Self {
+    fn load(simd: S, position: &Cell, displacement: &Cell, inverse_mass: &[f32; LANES]) -> Self {
         Self {
             position: Lanes3::load(simd, position),
             displacement: Lanes3::load(simd, displacement),
             inverse_mass: load(simd, inverse_mass),
+        }
+    }
+
+    /// That of each lane from so many lanes higher.
+    #[inline(always)]
+    fn shifted_by(self, lanes: usize) -> Self {
+        Self {
+            position: self.position.shifted_by(lanes),
+            displacement: self.displacement.shifted_by(lanes),
+            inverse_mass: shifted_by(self.inverse_mass, lanes),
         }
     }
 }
@@ -130,9 +139,10 @@ impl Blow<'_> {
                     inverse_mass[lane] = self.particles.inverse_mass[slot];
                 }
             }
-            let mut corners = [Corner::of(simd, &cells[0]); N];
-            for (corner, cell) in corners[1..].iter_mut().zip(&cells[1..]) {
-                *corner = Corner::of(simd, cell);
+            let (position, displacement, inverse_mass) = &cells[0];
+            let mut corners = [Corner::load(simd, position, displacement, inverse_mass); N];
+            for (corner, (position, displacement, inverse_mass)) in corners[1..].iter_mut().zip(&cells[1..]) {
+                *corner = Corner::load(simd, position, displacement, inverse_mass);
             }
             let mut shares = Cell::default();
             share(self, simd, &corners).store(&mut shares);
@@ -151,11 +161,8 @@ impl Blow<'_> {
     fn corner<S: Simd>(&self, simd: S, (cell, shift): (usize, usize)) -> Corner<S> {
         let Particles { position, displacement, inverse_mass, .. } = self.particles;
         let (inverse_mass, _) = inverse_mass.as_chunks::<LANES>();
-        Corner {
-            position: Lanes3::load(simd, &position.cells[cell]).shifted_by(shift),
-            displacement: Lanes3::load(simd, &displacement.cells[cell]).shifted_by(shift),
-            inverse_mass: shifted_by(load(simd, &inverse_mass[cell]), shift),
-        }
+        Corner::load(simd, &position.cells[cell], &displacement.cells[cell], &inverse_mass[cell])
+            .shifted_by(shift)
     }
 
     #[inline(always)]
@@ -222,7 +229,7 @@ impl Blow<'_> {
         normal: Lanes3<S>,
         area: f32x16<S>,
     ) -> Lanes3<S> {
-        let Wind { air_density, drag_coefficient, lift_coefficient, .. } = *self.wind;
+        let Wind { air_density, drag_coefficient, lift_coefficient, .. } = *self.air.wind;
         let (zero, least) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, f32::MIN_POSITIVE));
         let part = 1.0 / N as f32;
         let Corner { displacement: mut way, mut inverse_mass, .. } = corners[0];
@@ -274,6 +281,7 @@ mod tests {
     use crate::build::rope::RopeBuilder;
     use crate::build::topology_builder::TopologyBuilder;
     use crate::constraint::testing::dice;
+    use crate::motion::air::tests::velocities;
     use crate::motion::environment::Environment;
     use crate::motion::wind::Turbulence;
     use crate::simd::isa::Isa;
@@ -289,17 +297,20 @@ mod tests {
         Wind { turbulence, lift_coefficient: 0.8, ..Wind::new(Vec3::new(5.0, -1.0, 3.0)) }
     }
 
+    fn air_around<'a>(particles: &Particles, wind: &'a Wind) -> Air<'a> {
+        let (low, high) = particles.bounds();
+        Air::new(wind, &[], &Environment::default().obstacles, 1.5, [low, high]).expect("it moves")
+    }
+
     /// The force on each particle.
     fn blown(body: &Body, wind: &Wind, dt: f32, isa: Isa) -> Vec<Vec3> {
         let Body { particles, topology, .. } = body;
         let mut particles = particles.clone();
         particles.arrange(&topology.layout);
-        let (low, high) = particles.bounds();
-        let environment = Environment::default();
-        let air = Air::new(wind, &[], &environment.obstacles, 1.5, [low, high]).expect("it moves");
+        let air = air_around(&particles, wind);
         let mut forces = vec![Cell::default(); particles.layout.cells()];
         let (particles, air, forces_of) = (&particles, &air, &mut forces);
-        isa.run(Blow { particles, topology, thickness: 0.01, air, wind, dt, forces: forces_of });
+        isa.run(Blow { particles, topology, thickness: 0.01, air, dt, forces: forces_of });
         particles.layout.slots().map(|slot| forces[slot / LANES].get(slot % LANES)).collect()
     }
 
@@ -328,16 +339,16 @@ mod tests {
         area: impl Fn(&[DVec3], DVec3) -> DVec3,
     ) -> Vec<DVec3> {
         let particles = &body.particles;
-        let (low, high) = particles.bounds();
-        let environment = Environment::default();
-        let air = Air::new(wind, &[], &environment.obstacles, 1.5, [low, high]).expect("it moves");
+        let air = air_around(particles, wind);
         let mut forces = vec![DVec3::ZERO; particles.len()];
         for corners in elements {
             let share = 1.0 / corners.len() as f64;
             let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&i| of(i)).sum::<DVec3>() * share;
             let places: Vec<DVec3> = corners.iter().map(|&i| particles.position(i).as_dvec3()).collect();
             let middle = mean(&|i| particles.position(i).as_dvec3());
-            let velocity = air_at(&air, middle.as_vec3()).as_dvec3();
+            let mut places_of_air = Cell::default();
+            places_of_air.set(7, middle.as_vec3());
+            let velocity = velocities(&air, places_of_air).get(7).as_dvec3();
             let vector = area(&places, velocity);
             let (area, normal) = (vector.length(), vector.normalize());
             let relative = velocity - mean(&|i| particles.velocity(i).as_dvec3());
@@ -355,20 +366,6 @@ mod tests {
             corners.iter().for_each(|&i| forces[i] += force * share);
         }
         forces
-    }
-
-    fn air_at(air: &Air, place: Vec3) -> Vec3 {
-        struct At<'a>(&'a Air<'a>, Vec3);
-        impl Kernel for At<'_> {
-            type Output = Vec3;
-            #[inline(always)]
-            fn run<S: Simd>(self, simd: S) -> Vec3 {
-                let mut cell = Cell::default();
-                self.0.velocities(simd, Lanes3::splat(simd, self.1)).store(&mut cell);
-                cell.get(7)
-            }
-        }
-        Isa::detected().run(At(air, place))
     }
 
     fn assert_equal(forces: &[Vec3], expected: &[DVec3], name: &str) {

@@ -12,27 +12,26 @@ use crate::motion::environment::Environment;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
+use crate::state::particles::Particles;
 
 /// Sums up the accelerations of a body's particles for the coming step.
 pub(crate) fn accumulate(body: &mut Body, environment: &Environment, isa: Isa) {
-    let Environment { dt, gravity, wind, ref wind_zones, ref obstacles, time } = *environment;
     let Body { particles, topology, settings, context, .. } = body;
-    context.uniform_acceleration = gravity;
+    context.uniform_acceleration = environment.gravity;
     context.acceleration.clear();
-    let (low, high) = particles.bounds();
-    let air = Air::new(&wind, wind_zones, obstacles, time, [low, high]);
+    let air = air_around(particles, environment);
     if air.is_none() && particles.force.is_empty() {
         return;
     }
-    let forces = &mut context.acceleration.cells;
     if particles.force.is_empty() {
-        forces.resize(particles.layout.cells(), Cell::default());
+        context.acceleration.reset(particles.layout.cells());
     } else {
-        forces.extend_from_slice(&particles.force.cells);
+        context.acceleration.cells.clone_from(&particles.force.cells);
     }
+    let forces = &mut context.acceleration.cells;
     if let Some(air) = &air {
-        let thickness = settings.thickness;
-        isa.run(Blow { particles, topology, thickness, air, wind: &wind, dt, forces });
+        let (thickness, dt) = (settings.thickness, environment.dt);
+        isa.run(Blow { particles, topology, thickness, air, dt, forces });
     }
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     for (force, inverse_mass) in forces.iter_mut().zip(inverse_mass) {
@@ -45,15 +44,21 @@ pub(crate) fn accumulate(body: &mut Body, environment: &Environment, isa: Isa) {
 /// The force of the air on a body in its present state, in newtons, on pinned particles too.
 pub fn wind_force(body: &Body, environment: &Environment) -> Vec3 {
     let Body { particles, topology, settings, .. } = body;
-    let Environment { dt, wind, ref wind_zones, ref obstacles, time, .. } = *environment;
     let mut particles = particles.clone();
     particles.arrange(&topology.layout);
-    let (low, high) = particles.bounds();
-    let Some(air) = &Air::new(&wind, wind_zones, obstacles, time, [low, high]) else {
+    let particles = &particles;
+    let Some(air) = &air_around(particles, environment) else {
         return Vec3::ZERO;
     };
     let mut forces = vec![Cell::default(); particles.layout.cells()];
-    let (particles, thickness) = (&particles, settings.thickness);
-    Isa::detected().run(Blow { particles, topology, thickness, air, wind: &wind, dt, forces: &mut forces });
+    let (thickness, dt) = (settings.thickness, environment.dt);
+    Isa::detected().run(Blow { particles, topology, thickness, air, dt, forces: &mut forces });
     particles.layout.slots().map(|slot| forces[slot / LANES].get(slot % LANES)).sum()
+}
+
+/// The air around these particles; none if it does not move.
+fn air_around<'a>(particles: &Particles, environment: &'a Environment) -> Option<Air<'a>> {
+    let Environment { wind, wind_zones, obstacles, time, .. } = environment;
+    let (low, high) = particles.bounds();
+    Air::new(wind, wind_zones, obstacles, *time, [low, high])
 }

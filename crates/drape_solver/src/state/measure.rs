@@ -37,7 +37,7 @@ pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
 /// Positions of all particles in double precision, in metres.
 pub fn positions(particles: &Particles) -> impl Iterator<Item = DVec3> {
     let origin = particles.origin().as_dvec3();
-    (0..particles.len()).map(move |i| origin + particles.local_position(i).as_dvec3())
+    particles.local_positions().map(move |place| origin + place.as_dvec3())
 }
 
 /// The number of edges and links that pass through faces, of these bodies' own and of each other's. What only touches does
