@@ -1,7 +1,7 @@
 //! Components that cannot be used are refused with one clear message, and all the rest runs on.
 
 use bevy::prelude::*;
-use bevy_drape::body::{MembraneStiffness, Sticks};
+use bevy_drape::body::{BendingFriction, MembraneStiffness, Sticks};
 use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
 use drape_solver::parry3d::math::Pose;
@@ -47,6 +47,7 @@ fn fabrics_out_of_range() {
         (Fabric { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
         (Fabric { bending_rigidity: BendingRigidity::isotropic(-1.0), ..default() }, "bending_rigidity"),
         (Fabric { bending_rigidity: BendingRigidity::isotropic(f32::NAN), ..default() }, "bending_rigidity"),
+        (Fabric { bending_friction: BendingFriction::isotropic(-1.0), ..default() }, "bending_friction"),
         (
             Fabric { membrane_stiffness: MembraneStiffness::balanced(-1.0, 0.0), ..default() },
             "membrane_stiffness",

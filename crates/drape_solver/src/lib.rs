@@ -52,6 +52,7 @@ pub mod world;
 
 pub use build::cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use build::embedding::Embedding;
+pub use build::measured_fabric::MeasuredFabric;
 pub use build::mesh::cloth::{MeshCloth, MeshClothBuilder};
 pub use build::mesh::error::{MeshError, MeshRepairs};
 pub use build::preset::Preset;
@@ -76,6 +77,7 @@ pub use parallel::threads::{Alone, Threads};
 pub use simd::isa::Isa;
 pub use state::backstops::Backstop;
 pub use state::ball::{Ball, BallMaterial};
+pub use state::bending_friction::BendingFriction;
 pub use state::bends::BendingRigidity;
 pub use state::body::{Body, BodyContext};
 pub use state::combine_rule::CombineRule;

@@ -42,6 +42,8 @@ use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, LEAST_SHARED_CELLS, LEAST_TOUCHING_CELLS, MAX_SUBSTEPS,
 };
+use crate::constraint::bending_friction;
+use crate::constraint::direct::thread_friction;
 use crate::constraint::strain::greatest_strain;
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
@@ -196,6 +198,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     let iterations = island.iterations();
     for (body, plan) in island.bodies.iter_mut().zip(&mut island.context.plans) {
         begin::begin_step(body, plan, island.context.order, h, substeps, iterations);
+        thread_friction::follow(body, island.isa);
+        bending_friction::follow(body);
     }
     for ball in &mut island.balls {
         ball.set_substep(h, environment.gravity);

@@ -7,9 +7,9 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Backstop, Ball, BallMaterial, BendingRigidity, BodySettings, ClothBuilder, ClothMaterial, Edge,
-    Environment, Island, MeshClothBuilder, Obstacle, Placement, PoseDrive, RigidBody, SelfContact, Shape,
-    StructuralSolve, Wind, World, step,
+    Backstop, Ball, BallMaterial, BendingFriction, BendingRigidity, BodySettings, ClothBuilder,
+    ClothMaterial, Edge, Environment, Island, MeshClothBuilder, Obstacle, Placement, PoseDrive, RigidBody,
+    SelfContact, Shape, StructuralSolve, Wind, World, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -39,10 +39,13 @@ fn assert_allocates_nothing<Count>(run: &mut impl FnMut(Count), [warm_up, counte
     assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
 }
 
-/// A grid and a mesh that resist bending.
+/// A grid and a mesh that resist bending, with friction.
 fn bend_allocating_nothing() {
-    let material =
-        ClothMaterial { bending_rigidity: BendingRigidity::isotropic(1e-4), ..ClothMaterial::default() };
+    let material = ClothMaterial {
+        bending_rigidity: BendingRigidity::isotropic(1e-4),
+        bending_friction: BendingFriction::isotropic(1e-4),
+        ..ClothMaterial::default()
+    };
     let grid = ClothBuilder::new(1.0, 1.0, 24, 24).material(material).pin_edge(Edge::Top);
     let grid = grid.build(BodySettings::default()).expect("valid");
     let places = grid.particles.positions().collect();

@@ -3,7 +3,10 @@
 //! Design: `docs/design/presets.md`.
 
 use bevy::prelude::*;
-use drape_solver::{BendingRigidity, BodySettings, BuildError, ClothMaterial, MembraneStiffness, Preset};
+use drape_solver::{
+    BendingFriction, BendingRigidity, BodySettings, BuildError, ClothMaterial, MeasuredFabric,
+    MembraneStiffness, Preset,
+};
 
 use crate::body::surface::BodySurface;
 
@@ -35,6 +38,9 @@ pub struct Fabric {
     /// Rigidity in bending as a textile laboratory measures it, in N m along warp and weft; none by default. A `ClothMesh` takes the
     /// mean of both. Bend sticks act besides: give them a `bend_stiffness` of 0.
     pub bending_rigidity: BendingRigidity,
+    /// Friction in bending as a textile laboratory measures it, in N along warp and weft; none by default. It acts beside a
+    /// `bending_rigidity` alone: gives the cloth body, and lets a fold keep a curvature.
+    pub bending_friction: BendingFriction,
     /// Resistance to stretch and shear as a textile laboratory measures it, in N/m; none by default. Where a number of it is not zero, a
     /// [`Cloth`](crate::build::Cloth) takes it in place of the stiffness from 0 to 1. With warp or weft no tether holds it. A `ClothMesh` ignores it.
     pub membrane_stiffness: MembraneStiffness,
@@ -65,6 +71,12 @@ impl From<Preset> for Fabric {
     }
 }
 
+impl From<MeasuredFabric> for Fabric {
+    fn from(measured: MeasuredFabric) -> Self {
+        Self::measured(measured)
+    }
+}
+
 impl Fabric {
     /// [`Preset::Silk`].
     pub const SILK: Self = Self::of(Preset::Silk);
@@ -81,6 +93,21 @@ impl Fabric {
     /// [`Preset::Chain`].
     pub const CHAIN: Self = Self::of(Preset::Chain);
 
+    /// A fabric with the mass, the stretch, the shear and the bending that a laboratory has measured; the rest is that of the default.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_drape::prelude::*;
+    /// use bevy_drape::build::MeasuredFabric;
+    ///
+    /// # fn setup(mut commands: Commands) {
+    /// commands.spawn((Cloth::new(1.0, 1.0), Fabric::measured(MeasuredFabric::WoolTropical)));
+    /// # }
+    /// ```
+    pub fn measured(measured: MeasuredFabric) -> Self {
+        Self::new(measured.material(), BodySettings::default().into(), false)
+    }
+
     const fn of(preset: Preset) -> Self {
         let (friction, drag, thickness) = preset.surface();
         let surface = BodySurface { friction, static_friction: 0.0, thickness, drag };
@@ -94,6 +121,7 @@ impl Fabric {
             shear_stiffness: material.shear_stiffness,
             bend_stiffness: material.bend_stiffness,
             bending_rigidity: material.bending_rigidity,
+            bending_friction: material.bending_friction,
             membrane_stiffness: material.membrane_stiffness,
             damping: material.damping,
             extensible,
@@ -129,7 +157,7 @@ impl Fabric {
                 Some(_),
                 Some(
                     "areal_density" | "damping" | "stiffness" | "stretch stiffness" | "bend stiffness"
-                    | "bending_rigidity" | "membrane_stiffness",
+                    | "bending_rigidity" | "bending_friction" | "membrane_stiffness",
                 ),
             ) => "Fabric",
             _ => description,
@@ -144,6 +172,7 @@ impl Fabric {
             shear_stiffness: self.shear_stiffness,
             bend_stiffness: self.bend_stiffness,
             bending_rigidity: self.bending_rigidity,
+            bending_friction: self.bending_friction,
             membrane_stiffness: self.membrane_stiffness,
             damping: self.damping,
         }

@@ -37,7 +37,7 @@ pub(crate) mod tearable;
 
 pub use activity::Activity;
 pub use contact_events::ContactEvents;
-pub use drape_solver::{BendingRigidity, MembraneStiffness};
+pub use drape_solver::{BendingFriction, BendingRigidity, MembraneStiffness};
 pub use fabric::Fabric;
 pub use layers::DrapeLayers;
 pub use particles::{BodyParts, Particles, Sticks};

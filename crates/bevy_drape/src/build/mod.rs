@@ -29,7 +29,7 @@ pub(crate) mod soft_ball;
 
 pub use built::BodyBuilt;
 pub use cloth::{Cloth, ClothPins};
-pub use drape_solver::Preset;
+pub use drape_solver::{MeasuredFabric, Preset};
 pub use rigid_tetrahedron::RigidTetrahedron;
 pub use rope::Rope;
 pub use soft_ball::SoftBall;

@@ -1,7 +1,7 @@
 //! Registers the descriptions that bodies are built from.
 
 use bevy::prelude::*;
-use drape_solver::Preset;
+use drape_solver::{MeasuredFabric, Preset};
 
 use crate::build::built::BodyBuilt;
 use crate::build::cloth::Cloth;
@@ -18,7 +18,7 @@ pub(crate) struct DescriptionPlugin;
 
 impl Plugin for DescriptionPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(Cloth, Rope, SoftBall, Preset, BodyBuilt)>()
+        app.register_type::<(Cloth, Rope, SoftBall, Preset, MeasuredFabric, BodyBuilt)>()
             .add_message::<BodyBuilt>()
             .add_systems(DrapeSchedule, trigger_written::<BodyBuilt>.in_set(FinishPhase::TriggerObservers))
             .add_observer(remove_described_body::<Cloth>)

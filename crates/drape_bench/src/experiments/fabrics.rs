@@ -1,14 +1,21 @@
-//! Measures fabrics of known bending rigidity: bending length and drape, beside what a laboratory found.
+//! Measures the fabrics that a laboratory has measured: bending length and drape, beside what it found.
 
+use std::error::Error;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::drape_test::{bending_length, round_drape_coefficient};
-use drape_solver::{BendingRigidity, BodySettings, ClothMaterial, Quality};
+use drape_solver::glam::Vec3;
+use drape_solver::{
+    BendingFriction, BendingRigidity, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment,
+    Island, MeasuredFabric, MembraneStiffness, MeshClothBuilder, Quality, step,
+};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::measure::median::{in_ms, median};
 use crate::report::table::write_json;
 
 /// Where to write the figures.
@@ -19,29 +26,12 @@ pub struct FabricArguments {
     json: Option<PathBuf>,
 }
 
-/// A fabric that a laboratory has measured.
-struct Fabric {
-    name: &'static str,
-    /// kg/m^2.
-    areal_density: f32,
-    /// N m, the mean of warp and weft.
-    rigidity: f32,
-    drape: f32,
-}
-
-/// Matsudaira, Masuda, Wada and Yokura 2015, "Shape Factor of Flared Skirts Compared with That of Circular Fabrics", Journal of Textile
-/// Engineering 61(6), 69-73: tables 1 (KES) and 2 (drape), fabrics A, B, C and F. Read in a transcription.
-const SOURCE: &str = "Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2";
-const FABRICS: [Fabric; 4] = [
-    Fabric { name: "polyester faille", areal_density: 0.1043, rigidity: 1.86e-6, drape: 0.283 },
-    Fabric { name: "wool tropical", areal_density: 0.1629, rigidity: 6.57e-6, drape: 0.498 },
-    Fabric { name: "polyester tropical", areal_density: 0.1165, rigidity: 7.55e-6, drape: 0.507 },
-    Fabric { name: "cotton broad", areal_density: 0.1238, rigidity: 11.57e-6, drape: 0.829 },
-];
-
 /// Rings of triangles in a specimen, and sticks in an overhang.
 const RINGS: [u32; 3] = [12, 16, 24];
 const STICKS: [u32; 3] = [8, 16, 32];
+
+/// Steps whose times count.
+const STEPS: u32 = 120;
 
 /// Standard gravity in m/s^2.
 const GRAVITY: f32 = 9.81;
@@ -59,39 +49,37 @@ struct Measured {
     bending_length_m: [f32; 3],
 }
 
-impl Fabric {
-    fn measure(&self) -> Result<Measured, Failure> {
-        let settings = BodySettings::from(Quality::High);
-        let material = ClothMaterial {
-            areal_density: self.areal_density,
-            shear_stiffness: 0.3,
-            bend_stiffness: 0.0,
-            bending_rigidity: BendingRigidity::isotropic(self.rigidity),
-            ..ClothMaterial::default()
-        };
-        let expected = (self.rigidity / (self.areal_density * GRAVITY)).cbrt();
-        let (mut drape, mut lengths) = ([0.0; 3], [0.0; 3]);
-        for i in 0..3 {
-            drape[i] = round_drape_coefficient(material, settings, RINGS[i])?;
-            lengths[i] = bending_length(material, settings, expected, STICKS[i])?;
-        }
-        Ok(Measured {
-            name: self.name,
-            source: SOURCE,
-            drape_published: self.drape,
-            drape,
-            bending_length_published_m: expected,
-            bending_length_m: lengths,
-        })
+fn measure(fabric: MeasuredFabric) -> Result<Measured, Failure> {
+    let settings = BodySettings { iterations: 4, ..BodySettings::from(Quality::High) };
+    let material = fabric.material();
+    // Peirce's length is that of rigidity and weight, along the threads of a strip that does not stretch.
+    let elastic = ClothMaterial {
+        bending_friction: BendingFriction::default(),
+        membrane_stiffness: MembraneStiffness::default(),
+        ..material
+    };
+    let expected = (material.bending_rigidity.weft / (material.areal_density * GRAVITY)).cbrt();
+    let (mut drape, mut lengths) = ([0.0; 3], [0.0; 3]);
+    for i in 0..3 {
+        drape[i] = round_drape_coefficient(material, settings, RINGS[i])?;
+        lengths[i] = bending_length(elastic, settings, expected, STICKS[i])?;
     }
+    Ok(Measured {
+        name: fabric.name(),
+        source: fabric.source(),
+        drape_published: fabric.published_drape(),
+        drape,
+        bending_length_published_m: expected,
+        bending_length_m: lengths,
+    })
 }
 
-/// Measures all fabrics, prints a table, and writes the figures to a file.
+/// Measures all fabrics and what bending costs, prints tables, and writes the figures to a file.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn report(arguments: &FabricArguments) -> Result<(), Box<dyn std::error::Error>> {
-    let all = FABRICS.iter().map(Fabric::measure).collect::<Result<Vec<_>, _>>()?;
+pub fn report(arguments: &FabricArguments) -> Result<(), Box<dyn Error>> {
+    let all = MeasuredFabric::ALL.into_iter().map(measure).collect::<Result<Vec<_>, _>>()?;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header(["fabric", "drape", "published", "bending length, mm", "of rigidity and weight, mm"]);
@@ -106,8 +94,59 @@ pub fn report(arguments: &FabricArguments) -> Result<(), Box<dyn std::error::Err
         ]);
     }
     println!("{table}");
+    println!("{}", costs()?);
     if let Some(path) = &arguments.json {
         write_json(path, &all)?;
     }
     Ok(())
+}
+
+/// The time of a step with bend sticks, with rigidity, and with friction besides: grids and meshes in a side wind of gravity, taken in turns.
+fn costs() -> Result<Table, Box<dyn Error>> {
+    let of = |bend_stiffness, rigidity, friction| ClothMaterial {
+        bend_stiffness,
+        bending_rigidity: BendingRigidity::isotropic(rigidity),
+        bending_friction: BendingFriction::isotropic(friction),
+        ..ClothMaterial::default()
+    };
+    let materials = [of(0.1, 0.0, 0.0), of(0.0, 1e-5, 0.0), of(0.0, 1e-5, 1e-4)];
+    let environment = Environment { gravity: Vec3::new(2.0, -GRAVITY, 3.0), ..Environment::default() };
+    let mut table = Table::new();
+    table.load_preset(UTF8_FULL_CONDENSED);
+    table.set_header(["step in ms: median (least)", "bend sticks", "rigidity", "and friction"]);
+    for (kind, side) in [("grid", 32), ("grid", 64), ("mesh", 32), ("mesh", 64)] {
+        let mut islands = Vec::with_capacity(materials.len());
+        for material in materials {
+            islands.push(Island::of_body(sheet(kind, side, material)?));
+        }
+        let mut times = [const { Vec::new() }; 3];
+        for _ in 0..STEPS {
+            for (island, times) in islands.iter_mut().zip(&mut times) {
+                let start = Instant::now();
+                step(island, &environment)?;
+                times.push(start.elapsed());
+            }
+        }
+        let milliseconds = |times: &mut Vec<Duration>| {
+            let median = in_ms(median(times));
+            // They are in order now.
+            format!("{median:.3} ({:.3})", in_ms(times[0]))
+        };
+        let [sticks, rigidity, friction] = times.each_mut().map(milliseconds);
+        table.add_row([format!("{kind} of {side} x {side}"), sticks, rigidity, friction]);
+    }
+    Ok(table)
+}
+
+/// A sheet of 1 m x 1 m that hangs from its upper edge.
+fn sheet(kind: &str, side: u32, material: ClothMaterial) -> Result<Body, Box<dyn Error>> {
+    let grid = ClothBuilder::new(1.0, 1.0, side, side).material(material).pin_edge(Edge::Top);
+    let grid = grid.build(BodySettings::default())?;
+    if kind == "grid" {
+        return Ok(grid);
+    }
+    let places = grid.particles.positions().collect();
+    let mesh = MeshClothBuilder::new(places, grid.topology.faces().to_vec()).material(material);
+    let mesh = (0..side).fold(mesh, MeshClothBuilder::pin);
+    Ok(mesh.build(BodySettings::default())?)
 }

@@ -13,7 +13,8 @@
 use glam::DVec3;
 
 use crate::build::mesh::surface::{opposite, sides, unordered};
-use crate::state::bends::{BendingRigidity, Bends, BentGrid, ListedBend, is_at_edge};
+use crate::state::bending_friction::{BendingFriction, Slip};
+use crate::state::bends::{BendingRigidity, Bends, BentGrid, BentThreads, ListedBend, is_at_edge};
 use crate::state::grid::GridBatch;
 use crate::state::layout::Layout;
 use crate::state::topology::{BatchSticks, StickKind, Topology};
@@ -30,8 +31,13 @@ const SLIVER: f64 = 1e4;
 
 impl Bends {
     /// The bends of a body with this topology, whole or torn. `size` has the columns and rows of a whole grid.
-    pub fn new(topology: &Topology, size: Option<[u32; 2]>, rigidity: BendingRigidity) -> Self {
-        let mut bends = Self { rigidity, ..Self::default() };
+    pub fn new(
+        topology: &Topology,
+        size: Option<[u32; 2]>,
+        rigidity: BendingRigidity,
+        friction: BendingFriction,
+    ) -> Self {
+        let mut bends = Self { rigidity, friction, ..Self::default() };
         if rigidity.is_zero() || topology.rest.is_empty() {
             return bends;
         }
@@ -40,6 +46,7 @@ impl Bends {
             (Layout::Torn(torn), None) => bends.add_torn_grid(topology, torn),
             _ => bends.add_faces(topology),
         }
+        bends.have_rests = bends.listed.iter().any(|bend| bend.rest != 0.0 || bend.slip.is_some());
         bends
     }
 
@@ -49,17 +56,18 @@ impl Bends {
         }
         let side = |to: usize| topology.rest[0].distance(topology.rest[to]);
         let [dx, dy] = [side(1), side(columns)];
-        let compliance = self.compliances([dx, dy]);
-        self.lines = Some(BentGrid { columns, rows, compliance });
+        self.lines = Some(BentGrid { columns, rows, threads: self.threads([dx, dy]) });
     }
 
-    /// The compliance of bends along rows and along columns, of particles `dx` and `dy` metres apart.
-    fn compliances(&self, [dx, dy]: [f32; 2]) -> [Option<f32>; 2] {
-        let of = |rigidity: f32, along: f32, across: f32| {
+    /// The bends along rows and along columns, of particles `dx` and `dy` metres apart.
+    fn threads(&self, [dx, dy]: [f32; 2]) -> [Option<BentThreads>; 2] {
+        let of = |rigidity: f32, friction: f32, along: f32, across: f32| {
             let compliance = along * along * along / (rigidity * across);
-            (compliance < SLACK).then_some(compliance)
+            let slip = Slip::new(rigidity, friction, along * along);
+            (compliance < SLACK).then_some(BentThreads { compliance, slip })
         };
-        [of(self.rigidity.weft, dx, dy), of(self.rigidity.warp, dy, dx)]
+        let Self { rigidity, friction, .. } = self;
+        [of(rigidity.weft, friction.weft, dx, dy), of(rigidity.warp, friction.warp, dy, dx)]
     }
 
     /// The bends along rows and columns that have lost neither a particle nor a stick.
@@ -70,11 +78,12 @@ impl Bends {
         let (Some(dx), Some(dy)) = (along_rows.rest_length, along_columns.rest_length) else {
             return;
         };
-        let compliances = self.compliances([dx, dy]);
-        for (sticks, compliance, [right, down]) in
-            [(along_rows, compliances[0], [1, 0]), (along_columns, compliances[1], [0, 1])]
-        {
-            let Some(compliance) = compliance else { continue };
+        let threads = self.threads([dx, dy]);
+        let all = [along_rows, along_columns];
+        for direction in [0, 1] {
+            let Some(BentThreads { compliance, slip }) = threads[direction] else { continue };
+            let [right, down] = [1 - direction, direction];
+            let [sticks, across] = [&all[direction], &all[1 - direction]];
             let first =
                 |row: usize| (0..grid.columns.saturating_sub(2 * right)).map(move |column| (column, row));
             for (column, row) in (0..grid.rows.saturating_sub(2 * down)).flat_map(first) {
@@ -82,11 +91,28 @@ impl Bends {
                 if sticks.join([a, b]) && sticks.join([b, c]) {
                     let (line, lines) = if down == 0 { (row, grid.rows) } else { (column, grid.columns) };
                     let is_edge = is_at_edge(line, lines);
+                    // The front of a grid is where rows, columns and the normal have the order of a right hand.
+                    let place = [column + right, row + down];
+                    let after = [place[0] + down, place[1] + right];
+                    let before = || Some([place[0].checked_sub(down)?, place[1].checked_sub(right)?]);
+                    let beside = |to: Option<[usize; 2]>| {
+                        let [column, row] = to.filter(|to| to[0] < grid.columns && to[1] < grid.rows)?;
+                        let slot = grid.slot(column, row);
+                        across.join([b, slot]).then_some(slot)
+                    };
+                    let (d, is_turned, slip) = match (beside(Some(after)), beside(before())) {
+                        (Some(after), _) => (after, direction == 1, slip),
+                        (None, Some(before)) => (before, direction == 0, slip),
+                        (None, None) => (c, false, None),
+                    };
+                    let slots = if is_turned { [c, b, a, d] } else { [a, b, c, d] };
                     self.listed.push(ListedBend {
-                        slots: [a, b, c, c].map(|slot| slot as u32),
+                        slots: slots.map(|slot| slot as u32),
                         weights: [1.0, -2.0, 1.0, 0.0],
-                        compliance: if is_edge { 2.0 * compliance } else { compliance },
+                        stiffness: if is_edge { 0.5 } else { 1.0 } / Slip::compliance(slip, compliance),
                         rest: 0.0,
+                        slip,
+                        thread: Some(direction as u8),
                     });
                 }
             }
@@ -100,7 +126,9 @@ impl Bends {
             joints.extend(sides(face).map(|side| (unordered(side), opposite(face, side))));
         }
         joints.sort_unstable();
-        let rigidity = 0.5 * (f64::from(self.rigidity.warp) + f64::from(self.rigidity.weft));
+        let mean = |warp: f32, weft: f32| 0.5 * (f64::from(warp) + f64::from(weft));
+        let rigidity = mean(self.rigidity.warp, self.rigidity.weft);
+        let friction = mean(self.friction.warp, self.friction.weft);
         for joint in joints.chunk_by(|p, q| p.0 == q.0) {
             if let [([a, b], c), (_, d)] = *joint
                 && c != d
@@ -114,11 +142,14 @@ impl Bends {
                 if !(compliance > 0.0 && compliance < SLACK) {
                     continue;
                 }
+                let slip = Slip::new(rigidity as f32, friction as f32, areas as f32);
                 self.listed.push(ListedBend {
                     slots: corners.map(|corner| topology.layout.slot(corner as usize) as u32),
                     weights,
-                    compliance,
+                    stiffness: 1.0 / Slip::compliance(slip, compliance),
                     rest: sum as f32,
+                    slip,
+                    thread: None,
                 });
             }
         }

@@ -9,6 +9,7 @@ use glam::Vec3;
 use crate::build::membrane::{SpringConstants, stiffness_of};
 use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
+use crate::state::bending_friction::BendingFriction;
 use crate::state::bends::BendingRigidity;
 use crate::state::body::Body;
 use crate::state::membrane::MembraneStiffness;
@@ -46,6 +47,8 @@ pub struct ClothMaterial {
     /// Rigidity in bending, as a laboratory measures it; none by default. It acts besides the bend sticks, and does not depend on
     /// the spacing.
     pub bending_rigidity: BendingRigidity,
+    /// Friction that holds a curvature, as a laboratory measures it; none by default. It acts beside a rigidity alone.
+    pub bending_friction: BendingFriction,
     /// Resistance in its plane, as a laboratory measures it; none by default. Of a cloth that is a grid, it takes the place of the
     /// stretch and shear stiffnesses where it is not zero.
     pub membrane_stiffness: MembraneStiffness,
@@ -62,6 +65,7 @@ impl Default for ClothMaterial {
             shear_stiffness: 0.7,
             bend_stiffness: 0.1,
             bending_rigidity: BendingRigidity::default(),
+            bending_friction: BendingFriction::default(),
             membrane_stiffness: MembraneStiffness::default(),
             damping: 0.0,
         }
@@ -233,6 +237,7 @@ impl ClothBuilder {
             .grid_family(bend, [2, 0])?
             .grid_family(bend, [0, 2])?
             .bending(self.material.bending_rigidity)?
+            .bending_friction(self.material.bending_friction)?
             .springs(springs)
             .faces(self.faces())?;
         if springs.along == [None; 2] {
@@ -331,6 +336,10 @@ mod tests {
     #[test]
     fn what_cannot_be_built_is_refused_by_name() {
         let density = |areal_density| ClothMaterial { areal_density, ..ClothMaterial::default() };
+        let friction = |friction| ClothMaterial {
+            bending_friction: BendingFriction::isotropic(friction),
+            ..ClothMaterial::default()
+        };
         let rigidity = |rigidity| ClothMaterial {
             bending_rigidity: BendingRigidity::isotropic(rigidity),
             ..ClothMaterial::default()
@@ -351,6 +360,9 @@ mod tests {
             (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(-1e-5)), "bending_rigidity"),
             (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(f32::NAN)), "bending_rigidity"),
             (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(1e5)), "bending_rigidity"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(friction(-1e-5)), "bending_friction"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(friction(f32::NAN)), "bending_friction"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(friction(1e7)), "bending_friction"),
         ];
         for (cloth, needle) in cases {
             let message = cloth.build_parts().expect_err(needle).to_string();

@@ -22,6 +22,7 @@ pub(crate) mod adjacency;
 pub(crate) mod bends;
 pub mod cloth;
 pub mod embedding;
+pub(crate) mod measured_fabric;
 pub(crate) mod membrane;
 pub mod mesh;
 pub mod preset;

@@ -11,6 +11,7 @@
 use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::build::cloth::ClothMaterial;
+use crate::state::bending_friction::BendingFriction;
 use crate::state::bends::BendingRigidity;
 use crate::state::membrane::MembraneStiffness;
 use crate::state::settings::BodySettings;
@@ -74,6 +75,7 @@ impl Preset {
             shear_stiffness,
             bend_stiffness,
             bending_rigidity,
+            bending_friction: BendingFriction::isotropic(0.0),
             membrane_stiffness,
             damping,
         }

@@ -11,6 +11,7 @@ use crate::build::cloth::MAX_PARTICLES;
 use crate::build::membrane::SpringConstants;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
+use crate::state::bending_friction::BendingFriction;
 use crate::state::bends::{BendingRigidity, Bends};
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
@@ -35,6 +36,7 @@ pub struct TopologyBuilder {
     joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
     rigidity: BendingRigidity,
+    friction: BendingFriction,
     springs: SpringConstants,
     /// The numbers of columns and rows; one row if the particles form no grid.
     size: [u32; 2],
@@ -49,6 +51,7 @@ impl TopologyBuilder {
             joined: Vec::new(),
             tethers: Tethers::none(),
             rigidity: BendingRigidity::default(),
+            friction: BendingFriction::default(),
             springs: SpringConstants::default(),
             size: [rest.len() as u32, 1],
         }
@@ -226,6 +229,16 @@ impl TopologyBuilder {
         Ok(self)
     }
 
+    /// Has friction hold the curvatures of a surface that resists [bending](Self::bending).
+    ///
+    /// # Errors
+    /// [`BuildError::OutOfRange`] if the friction is negative or too large.
+    pub fn bending_friction(&mut self, friction: BendingFriction) -> Result<&mut Self, BuildError> {
+        friction.validate()?;
+        self.friction = friction;
+        Ok(self)
+    }
+
     /// Has the sticks of a flat, even [grid](Self::grid) be springs of these constants.
     pub(crate) fn springs(&mut self, constants: SpringConstants) -> &mut Self {
         self.springs = constants;
@@ -322,7 +335,7 @@ impl TopologyBuilder {
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
         self.topology.rest = self.rest;
         let size = (self.size[1] > 1).then_some(self.size);
-        self.topology.bends = Bends::new(&self.topology, size, self.rigidity);
+        self.topology.bends = Bends::new(&self.topology, size, self.rigidity, self.friction);
         self.topology.membrane = size.and_then(|size| Membrane::new(&self.topology, size, self.springs));
         self.topology.has_faces_by_square =
             self.topology.segments.is_empty() && are_by_square(&self.topology.faces, &self.topology.layout);

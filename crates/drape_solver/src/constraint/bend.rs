@@ -15,14 +15,15 @@
 //!
 //! Design: `docs/design/bending.md`.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
+use crate::constraint::bending_friction::{self, places};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::bends::{BendScratch, ListedBend};
 use crate::state::body::Body;
 
 /// The greatest number of iterations of a solve.
-const MOST_ITERATIONS: usize = 8;
+const MOST_ITERATIONS: usize = 16;
 
 /// A solve ends when the squared residual is this part of that at the start.
 const TOLERANCE: f64 = 1e-6;
@@ -30,15 +31,17 @@ const TOLERANCE: f64 = 1e-6;
 /// One implicit step of all listed bends of a body, in iteration `projection` of the substep.
 pub(crate) fn project(body: &mut Body, projection: u32) {
     let Body { particles, topology, settings, context, .. } = body;
-    if topology.bends.listed.is_empty() || projection >= settings.iterations {
+    let bends = &*topology.bends.listed;
+    if bends.is_empty() || projection + 1 != settings.iterations {
         return;
     }
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
-    solve(position, inverse_mass, &topology.bends.listed, context.compliance_scale, &mut context.bends);
+    solve(position, inverse_mass, bends, context.compliance_scale, &mut context.bends);
+    bending_friction::follow(body);
 }
 
-/// One implicit step of all `bends` of a body. `scale` is iterations over the square of the substep, in 1/s^2.
+/// One implicit step of all `bends` of a body. `scale` is one over the square of the substep, in 1/s^2.
 fn solve(
     position: &mut [Cell],
     inverse_mass: &[[f32; LANES]],
@@ -46,12 +49,13 @@ fn solve(
     scale: f32,
     scratch: &mut BendScratch,
 ) {
-    let BendScratch { residual, pull, direction, image } = scratch;
+    let BendScratch { residual, pull, direction, image, listed_rests, .. } = scratch;
     let weight = |slot: usize| inverse_mass[slot / LANES][slot % LANES];
     residual.fill(Vec4::ZERO);
-    add_forces(residual, bends, scale, |bend, slots| {
-        let places = slots.map(|slot| position[slot / LANES].get(slot % LANES));
-        -weighted_sum(bend, places).extend(0.0)
+    add_forces(residual, bends, scale, |index, bend| {
+        let sum = bend.sum(places(position, bend));
+        let rest = listed_rests.get(index).copied().unwrap_or_default();
+        (rest - sum).extend(0.0)
     });
     pull.copy_from_slice(residual);
     let mut norm: f64 =
@@ -65,7 +69,7 @@ fn solve(
             *direction = pull[slot] * weight(slot);
         }
         image.copy_from_slice(pull);
-        add_forces(image, bends, scale, |bend, slots| bend.sum(slots.map(|slot| direction[slot])));
+        add_forces(image, bends, scale, |_, bend| bend.sum(bend.slots.map(|slot| direction[slot as usize])));
         let curvature: f64 = direction.iter().zip(&*image).map(|(&p, &q)| dot(p, q)).sum();
         if !(curvature > 0.0 && curvature.is_finite()) {
             break;
@@ -90,18 +94,18 @@ fn solve(
     }
 }
 
-/// Adds to `forces` those of all bends, whose weighted sums `sum` gives for their slots.
+/// Adds to `forces` those of all bends, whose weighted sums `sum` gives.
 fn add_forces(
     forces: &mut [Vec4],
     bends: &[ListedBend],
     scale: f32,
-    sum: impl Fn(&ListedBend, [usize; 4]) -> Vec4,
+    sum: impl Fn(usize, &ListedBend) -> Vec4,
 ) {
-    for bend in bends {
-        let slots = bend.slots.map(|slot| slot as usize);
-        let force = sum(bend, slots) / (bend.compliance * scale);
-        for (slot, weight) in slots.into_iter().zip(bend.weights) {
-            forces[slot] += force * weight;
+    let per_scale = 1.0 / scale;
+    for (index, bend) in bends.iter().enumerate() {
+        let force = sum(index, bend) * (bend.stiffness * per_scale);
+        for (slot, weight) in bend.slots.into_iter().zip(bend.weights) {
+            forces[slot as usize] += force * weight;
         }
     }
 }
@@ -110,18 +114,6 @@ fn add_forces(
 fn dot(a: Vec4, b: Vec4) -> f64 {
     let [a, b] = [a, b].map(Vec4::as_dvec4);
     a.x * b.x + a.y * b.y + a.z * b.z
-}
-
-/// The weighted sum of the particles' positions, less its rest.
-fn weighted_sum(bend: &ListedBend, positions: [Vec3; 4]) -> Vec3 {
-    let sum = bend.sum(positions);
-    if bend.rest == 0.0 {
-        return sum;
-    }
-    let [a, b, c, d] = positions;
-    // Along the normal, which has a direction also where the surface is pressed flat.
-    let normal = (b - a).cross(c - a) - (b - a).cross(d - a);
-    sum - normal.normalize_or_zero() * bend.rest
 }
 
 #[cfg(test)]
@@ -134,7 +126,7 @@ mod tests {
     use crate::state::bends::BendingRigidity;
     use crate::state::particles::Particles;
     use crate::state::settings::BodySettings;
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     const SCALE: f32 = 1e4;
 
@@ -172,7 +164,7 @@ mod tests {
         for bend in &body.topology.bends.listed {
             let particles =
                 bend.slots.map(|slot| body.topology.layout.index(slot as usize).expect("a particle"));
-            let sum = weighted_sum(bend, particles.map(|i| places[i])) / (bend.compliance * SCALE);
+            let sum = bend.sum(particles.map(|i| places[i])) * (bend.stiffness / SCALE);
             particles.into_iter().zip(bend.weights).for_each(|(i, weight)| forces[i] -= sum * weight);
         }
         forces
@@ -184,7 +176,8 @@ mod tests {
         let mut body = crumpled(true);
         let before = places(&body);
         let start = forces(&body, &before).iter().map(|force| force.length()).fold(0.0, f32::max);
-        project(&mut body, 0);
+        let last = body.settings.iterations - 1;
+        project(&mut body, last);
         let after = places(&body);
         let forces = forces(&body, &after);
         for (i, force) in forces.into_iter().enumerate() {
@@ -203,7 +196,8 @@ mod tests {
     fn a_solve_keeps_momentum_and_angular_momentum() {
         let mut body = crumpled(false);
         let before = places(&body);
-        project(&mut body, 0);
+        let last = body.settings.iterations - 1;
+        project(&mut body, last);
         let after = places(&body);
         let (mut momentum, mut angular, mut scale) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (i, (from, to)) in before.into_iter().zip(after).enumerate() {

@@ -19,6 +19,7 @@
 pub(crate) mod angular_momentum;
 pub mod backstop;
 pub(crate) mod bend;
+pub(crate) mod bending_friction;
 pub mod direct;
 pub(crate) mod listed_stick;
 pub mod motion_limit;

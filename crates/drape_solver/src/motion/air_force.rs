@@ -89,7 +89,8 @@ impl Blow<'_> {
     fn blow_on_squares<S: Simd>(&mut self, simd: S, grid: Grid) {
         let Grid { width, height, across, .. } = grid;
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
-            let lanes = squares_at(grid, column, row);
+            let lanes = grid.lanes_where([column, row], |c| c + 1 < grid.columns, |r| r + 1 < grid.rows);
+            // Those in which a square begins.
             if lanes == 0 {
                 continue;
             }
@@ -258,17 +259,6 @@ impl Blow<'_> {
         }
         sum.times(f32x16::splat(simd, part))
     }
-}
-
-/// Bit mask of the lanes in which a square begins in this column and row of their patch.
-#[inline(always)]
-fn squares_at(grid: Grid, column: usize, row: usize) -> u16 {
-    let Grid { columns, rows, across, down, width, height } = grid;
-    let begins = |patch: usize, size: usize, within: usize, count: usize| patch * size + within + 1 < count;
-    let in_row = (0..across)
-        .fold(0_u32, |bits, patch| bits | (u32::from(begins(patch, width, column, columns)) << patch));
-    let all = (0..down).filter(|&patch| begins(patch, height, row, rows));
-    all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
 }
 
 #[cfg(test)]

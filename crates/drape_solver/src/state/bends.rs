@@ -20,9 +20,11 @@ use core::ops::{Add, Mul, Sub};
 #[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::error::{BuildError, in_range};
+use crate::simd::columns::Cell;
+use crate::state::bending_friction::{BendingFriction, PlasticBends, Slip};
 
 /// Resistance to bending in N m: the moment, in newtons for each metre of width, that bends a strip to a curvature of 1/m. Zero
 /// resists nothing.
@@ -64,10 +66,13 @@ impl BendingRigidity {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Bends {
     pub rigidity: BendingRigidity,
+    pub friction: BendingFriction,
     /// Those of a whole grid: its rows and columns are solved directly.
     pub lines: Option<BentGrid>,
     /// Those of meshes and torn grids.
     pub listed: Vec<ListedBend>,
+    /// True if listed bends have a rest that is not zero, or may get one by friction.
+    pub have_rests: bool,
 }
 
 /// The bends of a whole grid.
@@ -75,22 +80,41 @@ pub(crate) struct Bends {
 pub(crate) struct BentGrid {
     pub columns: usize,
     pub rows: usize,
-    /// Of the bends along rows and along columns, in m/N, where they are as wide as lines are apart. None where nothing resists.
-    pub compliance: [Option<f32>; 2],
+    /// The threads along rows and along columns. None where nothing resists.
+    pub threads: [Option<BentThreads>; 2],
+}
+
+/// The bends of the threads in one direction of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BentThreads {
+    /// In m/N, without friction, where they are as wide as lines are apart.
+    pub compliance: f32,
+    pub slip: Option<Slip>,
+}
+
+impl BentThreads {
+    /// The compliance with friction, in m/N.
+    pub fn compliance_of_both(self) -> f32 {
+        Slip::compliance(self.slip, self.compliance)
+    }
 }
 
 /// One bend in a list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ListedBend {
-    /// The last two are equal in a bend of three particles.
+    /// In a bend of three particles the last is a neighbour of the second across the thread, which shows where the front is; without
+    /// one it is the third once more.
     pub slots: [u32; 4],
     /// They sum to zero; the last is zero in a bend of three particles.
     pub weights: [f32; 4],
-    /// In m/N.
-    pub compliance: f32,
+    /// In N/m, with that of friction before it slips.
+    pub stiffness: f32,
     /// Length of the weighted sum of the positions at rest, in metres: positive if the corners lie behind the edge, seen from
     /// the front, negative if before it.
     pub rest: f32,
+    pub slip: Option<Slip>,
+    /// The direction of the thread of a grid: 0 along a row, 1 along a column. None across the edge of a mesh.
+    pub thread: Option<u8>,
 }
 
 /// Scratch of a solve, in slots. Only its memory outlives the solve. The fourth number of each is not used.
@@ -102,6 +126,10 @@ pub(crate) struct BendScratch {
     pub direction: Vec<Vec4>,
     /// The matrix times the direction.
     pub image: Vec<Vec4>,
+    /// The weighted sums at rest of threads that friction holds, along rows and along columns, by the slot of the middle particle.
+    pub rest: [Vec<Cell>; 2],
+    /// The weighted sums at rest of listed bends; empty if all are zero.
+    pub listed_rests: Vec<Vec3>,
 }
 
 impl BendScratch {
@@ -114,7 +142,8 @@ impl BendScratch {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        4 * size_of_val(&*self.residual)
+        let rest = self.rest.iter().map(|rest| size_of_val(&**rest)).sum::<usize>();
+        4 * size_of_val(&*self.residual) + rest + size_of_val(&*self.listed_rests)
     }
 }
 
@@ -134,9 +163,39 @@ impl ListedBend {
         let [_, wb, wc, wd] = self.weights;
         (b - a) * wb + (c - a) * wc + (d - a) * wd
     }
+
+    /// The unit normal of the surface there; zero where it has none.
+    pub fn normal(&self, [a, b, c, d]: [Vec3; 4]) -> Vec3 {
+        let normal = match self.thread {
+            Some(_) => (c - a).cross(d - b),
+            None => (b - a).cross(c - a) - (b - a).cross(d - a),
+        };
+        normal.normalize_or_zero()
+    }
+
+    /// Its plastic sum; `index` is its place in the list.
+    pub fn plastic(&self, index: usize, plastic: &PlasticBends) -> f32 {
+        match self.thread {
+            Some(direction) => plastic.threads[usize::from(direction)][self.slots[1] as usize],
+            None => plastic.edges[index],
+        }
+    }
+
+    /// Sets its plastic sum.
+    pub fn set_plastic(&self, index: usize, plastic: &mut PlasticBends, sum: f32) {
+        match self.thread {
+            Some(direction) => plastic.threads[usize::from(direction)][self.slots[1] as usize] = sum,
+            None => plastic.edges[index] = sum,
+        }
+    }
 }
 
 impl Bends {
+    /// True if friction holds them.
+    pub fn has_friction(&self) -> bool {
+        !self.rigidity.is_zero() && self.friction != BendingFriction::default()
+    }
+
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.listed)

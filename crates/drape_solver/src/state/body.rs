@@ -127,6 +127,7 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + context.rows.bytes() + context.bends.bytes() + topology.bytes()
+        let bends = context.bends.bytes() + particles.plastic.bytes();
+        cells + masses + context.rows.bytes() + bends + topology.bytes()
     }
 }

@@ -205,6 +205,22 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
+    /// Bit mask of the lanes of the cell in this column and row of the patches whose places of the grid pass these tests, by column
+    /// and by row; lane 0 in the lowest bit.
+    #[inline(always)]
+    pub fn lanes_where(
+        self,
+        [column, row]: [usize; 2],
+        is_column: impl Fn(usize) -> bool,
+        is_row: impl Fn(usize) -> bool,
+    ) -> u16 {
+        let Self { across, down, width, height, .. } = self;
+        let in_row = (0..across)
+            .fold(0_u32, |bits, patch| bits | (u32::from(is_column(patch * width + column)) << patch));
+        let all = (0..down).filter(|&patch| is_row(patch * height + row));
+        all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
+    }
+
     /// True if there are no ghosts.
     fn is_full(self) -> bool {
         self.across * self.width == self.columns && self.down * self.height == self.rows

@@ -21,6 +21,7 @@ pub(crate) mod animated_columns;
 pub mod animated_particles;
 pub mod backstops;
 pub mod ball;
+pub mod bending_friction;
 pub mod bends;
 pub mod body;
 pub(crate) mod combine_rule;

@@ -7,6 +7,7 @@ use glam::Vec3;
 use crate::constants::INITIAL_SUBSTEP;
 use crate::error::{BuildError, finite_vector};
 use crate::simd::columns::{Columns, LANES};
+use crate::state::bending_friction::PlasticBends;
 use crate::state::frame_motion::FrameMotion;
 use crate::state::joint::Joint;
 use crate::state::layout::Layout;
@@ -43,6 +44,8 @@ pub struct Particles {
     pub(crate) joints: Vec<Joint>,
     /// Limits on motion, backstops and drives, by an animated pose.
     pub(crate) pose: PoseConstraints,
+    /// What friction keeps of the bends.
+    pub(crate) plastic: PlasticBends,
     /// Motion of the frame of reference in the next step.
     pub(crate) frame: Option<FrameMotion>,
     /// By how much, in parts of themselves, rest lengths are longer at the beginning of the next step.
@@ -68,6 +71,7 @@ impl Default for Particles {
             pin_targets: Vec::new(),
             joints: Vec::new(),
             pose: PoseConstraints::default(),
+            plastic: PlasticBends::default(),
             frame: None,
             excess_length: 0.0,
             disturbed: false,
@@ -147,6 +151,9 @@ impl Particles {
         }
         self.joints.sort_unstable_by_key(|joint| joint.slot);
         self.pose = old.pose.arranged(&old.layout, layout);
+        let slots = old.layout.slots().zip(layout.slots());
+        self.plastic = old.plastic.picked(layout, slots.map(|(from, to)| [from, to]));
+        self.plastic.edges = old.plastic.edges;
         self.masses = MassStats::default();
     }
 

@@ -11,6 +11,7 @@ use crate::error::{BuildError, in_range, positive};
 use crate::simd::columns::{Columns, LANES};
 use crate::state::backstops::Backstop;
 use crate::state::ball::{Ball, BallMaterial};
+use crate::state::bending_friction::PlasticBends;
 use crate::state::body::BodyContext;
 use crate::state::frame_motion::FrameMotion;
 use crate::state::layers::Layers;
@@ -36,6 +37,9 @@ pub struct ParticlesSnapshot {
     backstops: Vec<(u32, [[f32; 3]; 4], [f32; 2])>,
     /// Index, place now and after the step, angular frequency and damping ratio of each drive.
     drives: Vec<(u32, [[f32; 3]; 2], [f32; 2])>,
+    /// Plastic sums of the bends along rows and along columns of each particle, or none; and those of a mesh.
+    threads: Vec<[f32; 2]>,
+    edges: Vec<f32>,
     /// Pivot, turn and translation of the frame in the next step.
     frame: Option<[[f32; 3]; 3]>,
     is_disturbed: bool,
@@ -59,8 +63,8 @@ impl ParticlesSnapshot {
     pub fn validate(&self, count: usize) -> Result<(), BuildError> {
         let Self { substep, displacements, inverse_masses, forces, pin_targets, .. } = self;
         let lengths = [self.len(), displacements.len(), inverse_masses.len()];
-        let force_count = if forces.is_empty() { count } else { forces.len() };
-        for length in lengths.into_iter().chain([force_count]) {
+        let optional = [forces.len(), self.threads.len()].into_iter().filter(|&length| length > 0);
+        for length in lengths.into_iter().chain(optional) {
             if length != count {
                 return Err(no_such_particle(length, count));
             }
@@ -127,6 +131,8 @@ impl Particles {
             let place = self.pose.drives.place.get(slot).map(|v| v.to_array());
             Some((index as u32, place, [angular_frequency, damping_ratio]))
         };
+        let PlasticBends { threads: [rows, columns], edges } = &self.plastic;
+        let has_threads = !rows.is_empty();
         // Most bodies have none of these.
         let constrained = |any: bool| any.then(|| self.layout.slots().enumerate()).into_iter().flatten();
         ParticlesSnapshot {
@@ -140,6 +146,8 @@ impl Particles {
             limits: constrained(!self.pose.limits.is_empty()).filter_map(limit).collect(),
             backstops: constrained(!self.pose.backstops.is_empty()).filter_map(backstop).collect(),
             drives: constrained(!self.pose.drives.is_empty()).filter_map(drive).collect(),
+            threads: constrained(has_threads).map(|(_, slot)| [rows[slot], columns[slot]]).collect(),
+            edges: edges.clone(),
             frame: self.frame.map(|m| [m.pivot, m.turn, m.translation].map(|v| v.to_array())),
             is_disturbed: self.disturbed,
         }
@@ -173,6 +181,13 @@ impl Particles {
         self.pin_targets = snapshot.pin_targets.iter().map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
         self.restore_pose(snapshot);
+        self.plastic = PlasticBends { edges: snapshot.edges.clone(), ..PlasticBends::default() };
+        if !snapshot.threads.is_empty() {
+            self.plastic.reserve_threads(&self.layout);
+        }
+        for (slot, &[row, column]) in self.layout.slots().zip(&snapshot.threads) {
+            (self.plastic.threads[0][slot], self.plastic.threads[1][slot]) = (row, column);
+        }
         self.frame = snapshot.frame.map(|motion| {
             let [pivot, turn, translation] = motion.map(Vec3::from_array);
             FrameMotion { pivot, turn, translation }

@@ -327,7 +327,7 @@ impl Topology {
 
     /// True if it resists bending by a [rigidity](crate::BendingRigidity).
     pub fn has_bending_rigidity(&self) -> bool {
-        self.bends != Bends::default()
+        !self.bends.rigidity.is_zero()
     }
 
     /// True if it resists stretch or shear by a [stiffness in N/m](crate::MembraneStiffness).

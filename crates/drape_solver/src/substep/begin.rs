@@ -42,9 +42,7 @@ pub(crate) fn begin_step(
     if !topology.bends.listed.is_empty() {
         context.bends.reserve(particles.layout.cells() * LANES);
     }
-    // Lines are solved once a substep, listed bends in each iteration.
-    let solves = if topology.bends.listed.is_empty() { 1 } else { settings.iterations };
-    context.compliance_scale = solves as f32 / (effective_substep * effective_substep);
+    context.compliance_scale = 1.0 / (effective_substep * effective_substep);
     context.damping.clear();
     context.damping.extend(materials.map(|m| substep_damping(m, substep)));
     if context.integrated.cells.len() != particles.layout.cells() {

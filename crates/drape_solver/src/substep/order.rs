@@ -39,7 +39,8 @@ pub(crate) enum BodyStage {
     DynamicContacts,
     /// Particles that are joined to movers have the masses of these while sticks are relaxed.
     ReleaseJoints,
-    /// Meshes and torn grids resist curvature, before the sticks, so that these have the last word. Lines of grids do later.
+    /// Meshes and torn grids resist curvature in the last iteration, before the sticks, so that these have the last word. Lines of grids do
+    /// later.
     Bends,
     Sticks,
     Tethers,

@@ -181,7 +181,8 @@ impl<'a> PieceTopology<'a> {
         };
         let tethers = self.crossing.uncrossed(self.split, self.members, &self.indices);
         topology.tethers = TetherPlan::new(&tethers, &topology.layout);
-        topology.bends = Bends::new(&topology, None, self.old().bends.rigidity);
+        let Bends { rigidity, friction, .. } = self.old().bends;
+        topology.bends = Bends::new(&topology, None, rigidity, friction);
         topology
     }
 
@@ -195,7 +196,8 @@ impl<'a> PieceTopology<'a> {
         }
         builder.faces(self.split.faces().iter().filter_map(|&face| self.own(face)))?;
         builder.segments(self.split.segments().filter_map(|ends| self.own(ends)))?;
-        builder.bending(self.old().bends.rigidity)?;
+        let Bends { rigidity, friction, .. } = self.old().bends;
+        builder.bending(rigidity)?.bending_friction(friction)?;
         let old = self.old();
         let mut is_pin = vec![false; old.particle_count()];
         old.tethers.list(&old.layout).iter().for_each(|&(_, pin, _)| is_pin[pin as usize] = true);

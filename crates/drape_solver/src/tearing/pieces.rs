@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use crate::build::adjacency::Adjacency;
+use crate::constraint::bending_friction;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
 use crate::state::body::{Body, BodyContext};
@@ -58,8 +59,9 @@ pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, B
     for members in members {
         let piece = PieceTopology::new(&split, &batches, &crossing, &members);
         let topology = if is_whole { piece.of_slit_body() } else { piece.of_part() }?;
-        let particles = particles_of(&split, &members, &body.particles, &topology.layout);
-        let origins = members.iter().map(|&member| split.origins[member as usize]).collect();
+        let mut particles = particles_of(&split, &members, &body.particles, &topology.layout);
+        let origins: Vec<u32> = members.iter().map(|&member| split.origins[member as usize]).collect();
+        particles.plastic.edges = bending_friction::kept_edges(body, &topology, &particles, &origins);
         let context = BodyContext::default();
         pieces.push(Piece {
             body: Body { particles, topology: Arc::new(topology), context, ..*body },
@@ -180,7 +182,8 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         let origin = split.origins[member as usize] as usize;
         (whole.layout.slot(origin), layout.slot(index))
     });
-    particles.pose = whole.pose.picked(cells, slots);
+    particles.pose = whole.pose.picked(cells, slots.clone());
+    particles.plastic = whole.plastic.picked(layout, slots.map(|(from, to)| [from, to]));
     particles.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
     particles
 }

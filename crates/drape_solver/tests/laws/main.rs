@@ -10,6 +10,7 @@ mod ballistic_range;
 mod balls;
 mod belts;
 mod bending;
+mod bending_friction;
 mod catenary;
 mod chain_mode;
 mod common;

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape as drape;
-use bevy_drape::body::MembraneStiffness;
+use bevy_drape::body::{BendingFriction, MembraneStiffness};
 use bevy_drape::prelude::{BendingRigidity, Fabric};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,9 @@ pub struct Cloth {
     /// Rigidity in bending in N m, along the warp and along the weft; (0, 0) by default.
     #[serde(deserialize_with = "bracketed")]
     pub bending_rigidity: (NonNegative, NonNegative),
+    /// Friction in bending in N, along the warp and along the weft; (0, 0) by default. It acts beside a rigidity alone.
+    #[serde(deserialize_with = "bracketed")]
+    pub bending_friction: (NonNegative, NonNegative),
     /// Resistance to stretch along the warp, along the weft, and to shear, in N/m; (0, 0, 0) by default. Where a number is not zero, it takes
     /// the place of the stiffness.
     #[serde(deserialize_with = "bracketed")]
@@ -90,6 +93,7 @@ impl Default for Cloth {
             shear_stiffness: Fraction::known(fabric.shear_stiffness),
             bend_stiffness: Fraction::known(fabric.bend_stiffness),
             bending_rigidity: (NonNegative::known(0.0), NonNegative::known(0.0)),
+            bending_friction: (NonNegative::known(0.0), NonNegative::known(0.0)),
             membrane_stiffness: [NonNegative::known(0.0); 3].into(),
             damping: NonNegative::known(fabric.damping),
             pins: Pins::Top,
@@ -132,6 +136,7 @@ impl From<&Cloth> for Fabric {
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             bending_rigidity: rigidity(cloth.bending_rigidity),
+            bending_friction: friction(cloth.bending_friction),
             membrane_stiffness: membrane(cloth.membrane_stiffness),
             damping: cloth.damping.get(),
             ..Self::default()
@@ -146,4 +151,9 @@ fn membrane((warp, weft, shear): (NonNegative, NonNegative, NonNegative)) -> Mem
 /// Rigidity in bending along warp and weft.
 pub(super) fn rigidity((warp, weft): (NonNegative, NonNegative)) -> BendingRigidity {
     BendingRigidity { warp: warp.get(), weft: weft.get() }
+}
+
+/// Friction in bending along warp and weft.
+pub(super) fn friction((warp, weft): (NonNegative, NonNegative)) -> BendingFriction {
+    BendingFriction { warp: warp.get(), weft: weft.get() }
 }

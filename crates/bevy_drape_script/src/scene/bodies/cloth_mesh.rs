@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::MeshFiles;
-use crate::scene::bodies::cloth::rigidity;
+use crate::scene::bodies::cloth::{friction, rigidity};
 use crate::scene::bracketed;
 use crate::scene::{
     Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Surface, Tearable,
@@ -30,6 +30,9 @@ pub struct ClothMesh {
     /// Rigidity in bending in N m, of which a mesh takes the mean; (0, 0) by default.
     #[serde(deserialize_with = "bracketed")]
     pub bending_rigidity: (NonNegative, NonNegative),
+    /// Friction in bending in N, of which a mesh takes the mean; (0, 0) by default. It acts beside a rigidity alone.
+    #[serde(deserialize_with = "bracketed")]
+    pub bending_friction: (NonNegative, NonNegative),
     /// Damping along the sticks in 1/s.
     pub damping: NonNegative,
     /// Vertices of the mesh that are fixed, besides those that are painted; none by default.
@@ -75,6 +78,7 @@ impl Default for ClothMesh {
             stretch_stiffness: Fraction::known(fabric.stretch_stiffness),
             bend_stiffness: Fraction::known(fabric.bend_stiffness),
             bending_rigidity: (NonNegative::known(0.0), NonNegative::known(0.0)),
+            bending_friction: (NonNegative::known(0.0), NonNegative::known(0.0)),
             damping: NonNegative::known(fabric.damping),
             pins: Vec::new(),
             painted_pins: Some(PaintChannel::Red),
@@ -131,6 +135,7 @@ impl From<&ClothMesh> for Fabric {
             stretch_stiffness: cloth.stretch_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             bending_rigidity: rigidity(cloth.bending_rigidity),
+            bending_friction: friction(cloth.bending_friction),
             damping: cloth.damping.get(),
             ..Self::default()
         }

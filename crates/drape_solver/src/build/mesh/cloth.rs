@@ -229,7 +229,7 @@ impl MeshClothBuilder {
             )?;
         }
         builder.faces(surface.faces.iter().copied())?;
-        builder.bending(self.material.bending_rigidity)?;
+        builder.bending(self.material.bending_rigidity)?.bending_friction(self.material.bending_friction)?;
         let edges =
             surface.edges.iter().map(|&[a, b]| (a, b, positions[a as usize].distance(positions[b as usize])));
         builder.tethers(Tethers::geodesic(positions.len(), edges, pins))?;

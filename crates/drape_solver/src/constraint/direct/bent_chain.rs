@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Moving the particles by `w_i (lambda_i - 2 lambda_{i-1} + lambda_{i-2})` is one implicit step of the energies
-//! `K_i^2 / (2 compliance)` if
+//! `K_i^2 / (2 compliance)` if (with `K_i` less its rest, where it has one)
 //!
 //! ```text
 //!   c_{i-2} lambda_{i-2} + b_{i-1} lambda_{i-1} + (a_i + compliance / h^2) lambda_i + b_i lambda_{i+1} + c_i lambda_{i+2} = - K_i
@@ -42,14 +42,22 @@ pub(crate) struct ChainBend {
 
 impl Chains<'_> {
     /// One implicit step of all bends of these chains. `bends` is scratch. `compliance` is that of a bend inside the cloth over
-    /// the square of the substep, in 1/kg. `edges` has the lanes of chains at an edge of the cloth.
-    pub fn bend<S: Simd>(&mut self, simd: S, bends: &mut [ChainBend], compliance: f32, edges: u16) {
+    /// the square of the substep, in 1/kg. `edges` has the lanes of chains at an edge of the cloth. `rest` has the weighted sums at
+    /// rest, by the middle particle, of all cells that those of the chains are a part of; none where threads are straight at rest.
+    pub fn bend<S: Simd>(
+        &mut self,
+        simd: S,
+        bends: &mut [ChainBend],
+        compliance: f32,
+        edges: u16,
+        rest: Option<&[Cell]>,
+    ) {
         if let Some(count) = self.count.checked_sub(2).filter(|&count| count > 0) {
             let bends = &mut bends[..count];
             simd.vectorize(
                 #[inline(always)]
                 || {
-                    self.eliminate_bends(simd, bends, compliance, edges);
+                    self.eliminate_bends(simd, bends, compliance, edges, rest);
                     self.unbend(simd, bends);
                 },
             );
@@ -57,7 +65,14 @@ impl Chains<'_> {
     }
 
     #[inline(always)]
-    fn eliminate_bends<S: Simd>(&self, simd: S, bends: &mut [ChainBend], compliance: f32, edges: u16) {
+    fn eliminate_bends<S: Simd>(
+        &self,
+        simd: S,
+        bends: &mut [ChainBend],
+        compliance: f32,
+        edges: u16,
+        at_rest: Option<&[Cell]>,
+    ) {
         let splat = |value| f32x16::splat(simd, value);
         let (zero, one, two) = (splat(0.0), splat(1.0), splat(2.0));
         let own_compliance = compliances(simd, compliance, edges);
@@ -72,7 +87,10 @@ impl Chains<'_> {
         for (i, bend) in bends.iter_mut().enumerate() {
             let (c, wc) = (self.position(simd, i + 2), self.inverse_mass(simd, i + 2));
             let below = c.minus(b);
-            let sum = below.minus(above);
+            let mut sum = below.minus(above);
+            if let Some(at_rest) = at_rest {
+                sum = sum.minus(Lanes3::load(simd, &at_rest[self.position.place(i + 1)]));
+            }
             let moved = wa + wb * 4.0 + wc;
             let compliance = own_compliance.max(moved * LEAST_COMPLIANCE);
             let far_entry = far[1] * inverse[1];
@@ -133,7 +151,7 @@ mod tests {
     const COMPLIANCE: f32 = 2.0;
     const EDGES: u16 = 0x8001;
 
-    struct Bend<'a>(Chains<'a>);
+    struct Bend<'a>(Chains<'a>, &'a [Cell]);
 
     impl Kernel for Bend<'_> {
         type Output = ();
@@ -141,13 +159,14 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(mut self, simd: S) {
             let mut bends = vec![ChainBend::default(); self.0.count];
-            self.0.bend(simd, &mut bends, COMPLIANCE, EDGES);
+            self.0.bend(simd, &mut bends, COMPLIANCE, EDGES, Some(self.1));
         }
     }
 
     /// One chain, in double precision, by elimination of the whole matrix.
-    fn solved(position: &[Vec3], inverse_mass: &[f32], compliance: f64) -> Vec<DVec3> {
-        let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
+    fn solved(position: &[Vec3], inverse_mass: &[f32], rest: &[Vec3], compliance: f64) -> Vec<DVec3> {
+        let [mut position, rest] =
+            [position, rest].map(|all| -> Vec<DVec3> { all.iter().map(|p| p.as_dvec3()).collect() });
         let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
         let bends = position.len() - 2;
         let weights = |bend: usize, i: usize| match i.checked_sub(bend) {
@@ -161,7 +180,8 @@ mod tests {
                 (0..bends).map(|k| all.clone().map(|p| weights(i, p) * w[p] * weights(k, p)).sum()).collect()
             })
             .collect();
-        let right = (0..bends).map(|i| -(position[i] - position[i + 1] * 2.0 + position[i + 2])).collect();
+        let sum = |i: usize| position[i] - position[i + 1] * 2.0 + position[i + 2] - rest[i + 1];
+        let right = (0..bends).map(|i| -sum(i)).collect();
         for (i, row) in rows.iter_mut().enumerate() {
             row[i] += compliance;
         }
@@ -181,21 +201,25 @@ mod tests {
                 let mut dice = dice(3);
                 let mut position = vec![Cell::default(); 2 * count];
                 let mut inverse_mass = vec![[1.0; LANES]; 2 * count];
+                let mut rest = vec![Cell::default(); 2 * count];
                 for (cell, masses) in inverse_mass.iter_mut().enumerate() {
                     for (lane, mass) in masses.iter_mut().enumerate() {
                         let place = Vec3::new(cell as f32 * 0.05, dice() * 0.05, dice() * 0.05);
                         position[cell].set(lane, place);
+                        rest[cell].set(lane, Vec3::new(dice(), dice(), dice()) * 0.02);
                         *mass = [0.0, 0.1, 2.0, 2.0, 2.0, 4.0][(dice().abs() * 5.99) as usize];
                     }
                 }
                 let before = position.clone();
                 let mut columns = CellColumns::new(&mut position, 2);
-                isa.run(Bend(Chains { position: columns.column(0), inverse_mass: &inverse_mass, count }));
+                let chains = Chains { position: columns.column(0), inverse_mass: &inverse_mass, count };
+                isa.run(Bend(chains, &rest));
                 (0..LANES).for_each(|lane| {
                     let start: Vec<Vec3> = (0..count).map(|i| before[2 * i].get(lane)).collect();
                     let weights: Vec<f32> = (0..count).map(|i| inverse_mass[2 * i][lane]).collect();
                     let width = if EDGES & (1 << lane) == 0 { 1.0 } else { 0.5 };
-                    let expected = solved(&start, &weights, f64::from(COMPLIANCE) / width);
+                    let rest: Vec<Vec3> = (0..count).map(|i| rest[2 * i].get(lane)).collect();
+                    let expected = solved(&start, &weights, &rest, f64::from(COMPLIANCE) / width);
                     for (i, expected) in expected.into_iter().enumerate() {
                         let found = position[2 * i].get(lane).as_dvec3();
                         assert!(found.distance(expected) < 2e-6, "{} {count} {lane} {i}", isa.name());

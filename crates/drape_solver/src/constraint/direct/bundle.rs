@@ -34,6 +34,8 @@ pub(super) struct BundleScratch {
     /// The particles of sixteen lines that were brought into the lanes.
     pub position: Vec<Cell>,
     pub inverse_mass: Vec<[f32; LANES]>,
+    /// Their weighted sums at rest.
+    pub rest: Vec<Cell>,
 }
 
 impl BundleScratch {
@@ -45,8 +47,9 @@ impl BundleScratch {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        let Self { chain, bends, position, inverse_mass } = self;
-        chain.bytes() + size_of_val(&**bends) + size_of_val(&**position) + size_of_val(&**inverse_mass)
+        let Self { chain, bends, position, inverse_mass, rest } = self;
+        let cells = size_of_val(&**position) + size_of_val(&**inverse_mass) + size_of_val(&**rest);
+        chain.bytes() + size_of_val(&**bends) + cells
     }
 }
 
@@ -76,6 +79,8 @@ pub(super) struct BundleSolve<'a> {
     /// The patches of the grid, which lie side by side.
     pub patches: Grid,
     pub inverse_mass: &'a [[f32; LANES]],
+    /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
+    pub rest: Option<&'a [Cell]>,
     pub direction: Direction,
     pub solved: Solved,
     pub projection: StickProjection,
@@ -172,7 +177,7 @@ impl SomeBundles<'_> {
     /// Solves one column of all patches, where it lies.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, simd: S, column: usize, projection: impl Projection) {
-        let BundleSolve { grid, patches, inverse_mass, solved, .. } = self.solve;
+        let BundleSolve { grid, patches, inverse_mass, rest, solved, .. } = self.solve;
         let position = self.position.column(column);
         let chains = Chains { position, inverse_mass, count: grid.rows };
         let is_edge = |lane| is_at_edge(lane * patches.width + column, grid.columns);
@@ -180,7 +185,7 @@ impl SomeBundles<'_> {
             simd,
             chains,
             (&mut self.scratch.chain, &mut self.scratch.bends),
-            solved,
+            (solved, rest),
             is_edge,
             projection,
         );
@@ -190,15 +195,19 @@ impl SomeBundles<'_> {
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
         let Self { solve, position, bundles, scratch } = self;
-        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, solved, .. } = solve;
+        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, solved, .. } = solve;
         let count = LANES.min(grid.rows - first);
         // The cells of this thread begin with its first bundle.
         let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
         transpose_rows(simd, width, (cells, &inverse_mass[first * width..]), scratch);
-        let BundleScratch { chain, bends, position, inverse_mass } = &mut **scratch;
+        let BundleScratch { chain, bends, position, inverse_mass, rest: of_bundle } = &mut **scratch;
+        let rest = rest.map(|rest| {
+            transpose_cells(simd, width, &rest[first * width..][..count * width], of_bundle);
+            &**of_bundle
+        });
         let chains = Chains { position: CellColumn::new(position), inverse_mass, count: grid.columns };
         let is_edge = |lane| is_at_edge(first + lane, grid.rows);
-        solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
+        solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
         transpose_back(simd, width, cells, position);
     }
 }
@@ -213,6 +222,26 @@ fn transpose_rows<S: Simd>(
     scratch: &mut BundleScratch,
 ) {
     let BundleScratch { position, inverse_mass, .. } = scratch;
+    transpose_cells(simd, width, cells, position);
+    let last = cells.len() / width - 1;
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for column in 0..width {
+                let cell = |row: usize| row.min(last) * width + column;
+                transpose(
+                    #[inline(always)]
+                    |row| load(simd, &masses[cell(row)]),
+                    #[inline(always)]
+                    |patch, of_rows| inverse_mass[patch * width + column] = of_rows.to_array(),
+                );
+            }
+        },
+    );
+}
+
+/// As [`transpose_rows`], of one column of numbers.
+fn transpose_cells<S: Simd>(simd: S, width: usize, cells: &[Cell], of_chains: &mut [Cell]) {
     let last = cells.len() / width - 1;
     simd.vectorize(
         #[inline(always)]
@@ -225,16 +254,10 @@ fn transpose_rows<S: Simd>(
                         |row| load(simd, cells[cell(row)].axes()[axis]),
                         #[inline(always)]
                         |patch, of_rows| {
-                            *position[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                            *of_chains[patch * width + column].axes_mut()[axis] = of_rows.to_array();
                         },
                     );
                 }
-                transpose(
-                    #[inline(always)]
-                    |row| load(simd, &masses[cell(row)]),
-                    #[inline(always)]
-                    |patch, of_rows| inverse_mass[patch * width + column] = of_rows.to_array(),
-                );
             }
         },
     );
@@ -263,20 +286,20 @@ fn transpose_back<S: Simd>(simd: S, width: usize, cells: &mut [Cell], position: 
     );
 }
 
-/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth.
+/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth. Bends may have a rest.
 #[inline(always)]
 pub(super) fn solve_chains<S: Simd>(
     simd: S,
     mut chains: Chains,
     (chain, bends): (&mut ChainScratch, &mut [ChainBend]),
-    solved: Solved,
+    (solved, rest): (Solved, Option<&[Cell]>),
     is_edge: impl Fn(usize) -> bool,
     projection: impl Projection,
 ) {
     let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
     match solved {
         Solved::Sticks(stick) => chains.solve(simd, chain, stick, edges, projection),
-        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
+        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges, rest),
     }
 }
 
@@ -316,6 +339,7 @@ mod tests {
                     grid,
                     patches,
                     inverse_mass,
+                    rest: None,
                     direction,
                     solved,
                     projection: StickProjection::Exact,

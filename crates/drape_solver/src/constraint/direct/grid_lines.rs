@@ -9,8 +9,8 @@
 //!
 //! Design: `docs/design/line_solves.md`.
 
-use crate::simd::columns::LANES;
-use crate::state::bends::BentGrid;
+use crate::simd::columns::{Cell, LANES};
+use crate::state::bends::{BendScratch, BentGrid};
 use crate::state::layout::{Grid, Layout};
 use crate::state::membrane::{ElasticStick, Membrane};
 use crate::state::settings::{BodySettings, StructuralSolve};
@@ -90,13 +90,24 @@ impl Lines {
 
     /// The bends of these lines; none if they do not resist.
     pub fn bends(self, topology: &Topology) -> Option<Solved> {
-        let [rows, columns] = topology.bends.lines?.compliance;
-        let compliance = match self {
+        let [rows, columns] = topology.bends.lines?.threads;
+        let threads = match self {
             Self::Rows => rows,
             Self::Columns => columns,
             Self::Diagonals | Self::Antidiagonals => None,
         };
-        compliance.map(Solved::Bends)
+        threads.map(|threads| Solved::Bends(threads.compliance_of_both()))
+    }
+
+    /// The weighted sums of these lines at rest, if friction holds them.
+    pub fn rest<'a>(self, topology: &Topology, scratch: &'a BendScratch) -> Option<&'a [Cell]> {
+        let [rows, columns] = topology.bends.lines?.threads;
+        let (threads, rest) = match self {
+            Self::Rows => (rows, &scratch.rest[0]),
+            Self::Columns => (columns, &scratch.rest[1]),
+            Self::Diagonals | Self::Antidiagonals => return None,
+        };
+        threads?.slip.map(|_| &**rest)
     }
 
     /// The number of lines, and of places in a line.

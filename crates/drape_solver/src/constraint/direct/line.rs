@@ -17,6 +17,7 @@ use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, Direct
 use crate::constraint::direct::chain::Chains;
 use crate::constraint::direct::grid_lines::{GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
+use crate::constraint::direct::thread_friction;
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::CellColumn;
@@ -56,6 +57,11 @@ impl LineScratch {
                 let count = grid.columns.max(grid.rows);
                 grow(&mut bundle.bends, count);
                 bundle.reserve_particles(count);
+                if topology.bends.has_friction() {
+                    let most =
+                        grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
+                    grow(&mut bundle.rest, most);
+                }
             }
         }
         let has_diagonals = topology.membrane.is_some_and(|membrane| membrane.diagonals.is_some());
@@ -132,17 +138,31 @@ pub(crate) fn solve(
             LineStorage::Transposed => Some(Direction::Rows),
             LineStorage::Gathered | LineStorage::Lone => None,
         };
+        let rest = match solved {
+            Solved::Bends(_) => lines.rest(topology, &context.bends),
+            Solved::Sticks(_) => None,
+        };
         let (projection, isa) = (settings.projection, substep.isa);
         if let (Some(direction), Some(patches)) = (direction, grid.patches) {
-            BundleSolve { grid, patches, inverse_mass, direction, solved, projection, isa }.solve(
+            BundleSolve { grid, patches, inverse_mass, rest, direction, solved, projection, isa }.solve(
                 position,
                 &mut scratch.bundles,
                 workers,
             );
         } else {
-            isa.run(ScatteredLines { lines, solved, projection, grid, position, inverse_mass, scratch });
+            isa.run(ScatteredLines {
+                lines,
+                solved,
+                projection,
+                grid,
+                position,
+                inverse_mass,
+                rest,
+                scratch,
+            });
         }
     }
+    thread_friction::follow(body, substep.isa);
 }
 
 /// Lines that run through some of the lanes, and their particles.
@@ -153,6 +173,7 @@ struct ScatteredLines<'a> {
     grid: RuledGrid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
+    rest: Option<&'a [Cell]>,
     scratch: &'a mut LineScratch,
 }
 
@@ -193,35 +214,41 @@ impl ScatteredLines<'_> {
 
     #[inline(always)]
     fn gathered<S: Simd>(&mut self, simd: S, side_by_side: usize, projection: impl Projection) {
-        let &mut Self { lines, solved, grid, ref mut position, inverse_mass, ref mut scratch, .. } = self;
+        let &mut Self { lines, solved, grid, ref mut position, inverse_mass, rest, ref mut scratch, .. } =
+            self;
         let (number, count) = lines.size(grid);
         let LineScratch { bundles, slots, .. } = &mut **scratch;
-        let Some(BundleScratch { chain, bends, position: gathered, inverse_mass: gathered_mass }) =
-            bundles.first_mut()
-        else {
+        let Some(bundle) = bundles.first_mut() else {
             return;
         };
+        let BundleScratch { chain, bends, .. } = bundle;
+        let (gathered, gathered_mass) = (&mut bundle.position, &mut bundle.inverse_mass);
+        let gathered_rest = &mut bundle.rest;
         let mut slots = slots[lines as usize].as_slice();
         for first in (0..number).step_by(side_by_side) {
             let lanes = side_by_side.min(number - first);
-            let bundle;
-            (bundle, slots) = slots.split_at(lanes * count);
+            let own;
+            (own, slots) = slots.split_at(lanes * count);
             // Spare lanes keep their old values, which nothing reads.
-            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
+            for (i, slots) in own.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     let place = (slot & !GHOST) as usize;
                     let (from, in_lane) = (place / LANES, place % LANES);
                     gathered[i].set(lane, position[from].get(in_lane));
                     gathered_mass[i][lane] =
                         if slot & GHOST == 0 { inverse_mass[from][in_lane] } else { 0.0 };
+                    if let Some(rest) = rest {
+                        gathered_rest[i].set(lane, rest[from].get(in_lane));
+                    }
                 }
             }
             let chains = Chains { position: CellColumn::new(gathered), inverse_mass: gathered_mass, count };
             // A diagonal belongs to one square alone.
             let is_side = matches!(lines, Lines::Rows | Lines::Columns);
             let is_edge = |lane| is_side && is_at_edge(first + lane, number);
-            solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
-            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
+            let rest = rest.map(|_| &**gathered_rest);
+            solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
+            for (i, slots) in own.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot & GHOST == 0) {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
                 }

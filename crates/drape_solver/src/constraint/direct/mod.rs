@@ -9,3 +9,4 @@ pub(crate) mod grid_lines;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
 pub(crate) mod taut_chain;
+pub(crate) mod thread_friction;
