@@ -39,6 +39,7 @@ features! {
     cape_gltf: "cape_gltf.rs",
     cloth_mesh: "cloth_mesh.rs",
     crates: "crates.rs",
+    creases: "creases.rs",
     curtain_2d: "curtain_2d.rs",
     cut: "cut.rs",
     detail: "detail.rs",

@@ -280,3 +280,6 @@ pub const RISKY_GAP: f32 = 0.4;
 
 /// Speed at which surfaces that are too near at the start of a substep are led apart, in metres per second.
 pub const RECOVERY_SPEED: f32 = 0.2;
+
+/// Square of the cosine of the angle, 18 degrees, within which a bend's rest and its weighted sum count as along one line.
+pub const ALONG_ONE_LINE: f32 = 0.9;

@@ -255,7 +255,7 @@ fn integrate_on(island: &mut Island, environment: &Environment, workers: &Worker
     walk(island, environment, workers, island.context.order.integrate());
 }
 
-/// Phase 2 of a substep: N times contacts, sticks, tethers, and lines in the last. Stop after any iteration; the next step
+/// Phase 2 of a substep: N times contacts, sticks, tethers, and bends and lines in the last. Stop after any iteration; the next step
 /// continues from there.
 pub fn relax(island: &mut Island, environment: &Environment) {
     relax_on(island, environment, &Workers::default());
@@ -287,8 +287,8 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
     }
 }
 
-/// True if the strain of every body is within its tolerance, and none has lines, which are solved in the last iteration, or listed bends,
-/// which take all.
+/// True if the strain of every body is within its tolerance, and none has lines or listed bends, which are solved in the last
+/// iteration.
 fn is_relaxed(island: &Island, environment: &Environment) -> bool {
     let Island { bodies, context, .. } = island;
     let substep = context.now(island.isa, environment);

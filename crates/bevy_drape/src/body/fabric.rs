@@ -93,7 +93,7 @@ impl Fabric {
     /// [`Preset::Chain`].
     pub const CHAIN: Self = Self::of(Preset::Chain);
 
-    /// A fabric with the mass, the stretch, the shear and the bending that a laboratory has measured; the rest is that of the default.
+    /// A fabric with the mass, the stretch, the shear and the bending that a laboratory has measured, and with the surface of the default.
     ///
     /// ```
     /// # use bevy::prelude::*;

@@ -101,7 +101,7 @@ pub fn report(arguments: &FabricArguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The time of a step with bend sticks, with rigidity, and with friction besides: grids and meshes in a side wind of gravity, taken in turns.
+/// The time of a step with bend sticks, with rigidity, and with friction besides: grids and meshes under slanted gravity, taken in turns.
 fn costs() -> Result<Table, Box<dyn Error>> {
     let of = |bend_stiffness, rigidity, friction| ClothMaterial {
         bend_stiffness,

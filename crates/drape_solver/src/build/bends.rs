@@ -90,7 +90,7 @@ impl Bends {
                 let [a, b, c] = [0, 1, 2].map(|i| grid.slot(column + i * right, row + i * down));
                 if sticks.join([a, b]) && sticks.join([b, c]) {
                     let (line, lines) = if down == 0 { (row, grid.rows) } else { (column, grid.columns) };
-                    let is_edge = is_at_edge(line, lines);
+                    let width = if is_at_edge(line, lines) { 0.5 } else { 1.0 };
                     // The front of a grid is where rows, columns and the normal have the order of a right hand.
                     let place = [column + right, row + down];
                     let after = [place[0] + down, place[1] + right];
@@ -109,7 +109,7 @@ impl Bends {
                     self.listed.push(ListedBend {
                         slots: slots.map(|slot| slot as u32),
                         weights: [1.0, -2.0, 1.0, 0.0],
-                        stiffness: if is_edge { 0.5 } else { 1.0 } / Slip::compliance(slip, compliance),
+                        stiffness: width / Slip::compliance(slip, compliance),
                         rest: 0.0,
                         slip,
                         thread: Some(direction as u8),

@@ -17,7 +17,7 @@ use crate::state::bending_friction::BendingFriction;
 use crate::state::bends::BendingRigidity;
 use crate::state::membrane::MembraneStiffness;
 
-/// A fabric that a laboratory has measured. `docs/presets.md` tells how each drapes, here and there.
+/// A fabric that a laboratory has measured. `docs/presets.md` tells how each drapes, in the laboratory and in this solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum MeasuredFabric {
@@ -34,11 +34,11 @@ pub enum MeasuredFabric {
     PolyesterTwill,
     /// Polyester in plain weave, 84 g/m^2 (Petrak, fabric M2).
     PolyesterPlain,
-    /// Twill 2/1 of 63 % polyester and 33 % viscose, 286 g/m^2: heavy and limp (Petrak, fabric M4).
+    /// Twill 2/1 of 63 % polyester, 33 % viscose and 4 % elastane, 286 g/m^2: heavy and limp (Petrak, fabric M4).
     ViscoseTwill,
 }
 
-/// What a laboratory has measured of a fabric.
+/// The figures that a laboratory has measured of a fabric.
 struct Measured {
     name: &'static str,
     /// In g/m^2.
@@ -133,8 +133,8 @@ impl MeasuredFabric {
         self.measured().drape
     }
 
-    /// Areal density, stretch, shear, rigidity and friction in bending. What was not measured is that of the default material; there are
-    /// no bend sticks.
+    /// Areal density, stretch, shear, rigidity and friction in bending. There are no bend sticks. Where stretch and shear were not measured,
+    /// threads are rigid and shear sticks soft (0.3).
     pub const fn material(self) -> ClothMaterial {
         let Measured { mass, rigidity, friction, membrane, .. } = self.measured();
         let [warp, weft, shear] = membrane;

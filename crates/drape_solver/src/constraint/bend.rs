@@ -15,8 +15,9 @@
 //!
 //! Design: `docs/design/bending.md`.
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
+use crate::constants::ALONG_ONE_LINE;
 use crate::constraint::bending_friction::{self, places};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::bends::{BendScratch, ListedBend};
@@ -54,7 +55,7 @@ fn solve(
     residual.fill(Vec4::ZERO);
     add_forces(residual, bends, scale, |index, bend| {
         let sum = bend.sum(places(position, bend));
-        let rest = listed_rests.get(index).copied().unwrap_or_default();
+        let rest = listed_rests.get(index).map_or(Vec3::ZERO, |&rest| turned(sum, rest));
         (rest - sum).extend(0.0)
     });
     pull.copy_from_slice(residual);
@@ -94,6 +95,17 @@ fn solve(
     }
 }
 
+/// The `rest` of a bend, turned to its weighted `sum`: a pull along this does not turn the body, which has turned since the rest was found.
+/// As it is where the two are not nearly along one line: then the direction of the sum is noise, as in what was pressed flat.
+fn turned(sum: Vec3, rest: Vec3) -> Vec3 {
+    let (squared, of_rest, product) = (sum.length_squared(), rest.length_squared(), rest.dot(sum));
+    if product * product <= ALONG_ONE_LINE * squared * of_rest {
+        return rest;
+    }
+    let size = (of_rest / squared).sqrt();
+    sum * if product >= 0.0 { size } else { -size }
+}
+
 /// Adds to `forces` those of all bends, whose weighted sums `sum` gives.
 fn add_forces(
     forces: &mut [Vec4],
@@ -126,7 +138,7 @@ mod tests {
     use crate::state::bends::BendingRigidity;
     use crate::state::particles::Particles;
     use crate::state::settings::BodySettings;
-    use glam::{DVec3, Vec3};
+    use glam::DVec3;
 
     const SCALE: f32 = 1e4;
 

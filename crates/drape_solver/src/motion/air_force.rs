@@ -89,7 +89,8 @@ impl Blow<'_> {
     fn blow_on_squares<S: Simd>(&mut self, simd: S, grid: Grid) {
         let Grid { width, height, across, .. } = grid;
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
-            let lanes = grid.lanes_where([column, row], |c| c + 1 < grid.columns, |r| r + 1 < grid.rows);
+            let lanes = grid.lanes_of_column(column, |column| column + 1 < grid.columns)
+                & grid.lanes_of_row(row, |row| row + 1 < grid.rows);
             // Those in which a square begins.
             if lanes == 0 {
                 continue;

@@ -205,20 +205,22 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
-    /// Bit mask of the lanes of the cell in this column and row of the patches whose places of the grid pass these tests, by column
-    /// and by row; lane 0 in the lowest bit.
+    /// Bit mask of the lanes of the cells in this column of the patches whose column of the grid passes the test; lane 0 in the lowest bit.
     #[inline(always)]
-    pub fn lanes_where(
-        self,
-        [column, row]: [usize; 2],
-        is_column: impl Fn(usize) -> bool,
-        is_row: impl Fn(usize) -> bool,
-    ) -> u16 {
-        let Self { across, down, width, height, .. } = self;
-        let in_row = (0..across)
-            .fold(0_u32, |bits, patch| bits | (u32::from(is_column(patch * width + column)) << patch));
-        let all = (0..down).filter(|&patch| is_row(patch * height + row));
-        all.fold(0, |bits, patch| bits | (in_row << (patch * across))) as u16
+    pub fn lanes_of_column(self, column: usize, is_one: impl Fn(usize) -> bool) -> u16 {
+        let Self { across, down, width, .. } = self;
+        let of_patches = (0..across)
+            .fold(0_u16, |bits, patch| bits | (u16::from(is_one(patch * width + column)) << patch));
+        (0..down).fold(0, |bits, patch| bits | (of_patches << (patch * across)))
+    }
+
+    /// The same of a row.
+    #[inline(always)]
+    pub fn lanes_of_row(self, row: usize, is_one: impl Fn(usize) -> bool) -> u16 {
+        let Self { across, down, height, .. } = self;
+        let of_patches = u16::MAX >> (LANES - across);
+        let all = (0..down).filter(|&patch| is_one(patch * height + row));
+        all.fold(0, |bits, patch| bits | (of_patches << (patch * across)))
     }
 
     /// True if there are no ghosts.

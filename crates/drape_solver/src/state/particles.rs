@@ -44,7 +44,7 @@ pub struct Particles {
     pub(crate) joints: Vec<Joint>,
     /// Limits on motion, backstops and drives, by an animated pose.
     pub(crate) pose: PoseConstraints,
-    /// What friction keeps of the bends.
+    /// The plastic sums that friction keeps of the bends.
     pub(crate) plastic: PlasticBends,
     /// Motion of the frame of reference in the next step.
     pub(crate) frame: Option<FrameMotion>,

@@ -37,7 +37,8 @@ pub struct ParticlesSnapshot {
     backstops: Vec<(u32, [[f32; 3]; 4], [f32; 2])>,
     /// Index, place now and after the step, angular frequency and damping ratio of each drive.
     drives: Vec<(u32, [[f32; 3]; 2], [f32; 2])>,
-    /// Plastic sums of the bends along rows and along columns of each particle, or none; and those of a mesh.
+    /// Plastic sums of the bends along rows and along columns of each particle, or none; and those of a mesh, which are begun anew
+    /// if their number is not that of its bends.
     threads: Vec<[f32; 2]>,
     edges: Vec<f32>,
     /// Pivot, turn and translation of the frame in the next step.
@@ -70,6 +71,9 @@ impl ParticlesSnapshot {
             }
         }
         positive("substep", *substep)?;
+        for &sum in self.threads.iter().flatten().chain(&self.edges) {
+            in_range("plastic sum of a bend", sum, f32::MIN, f32::MAX)?;
+        }
         for &inverse_mass in inverse_masses {
             in_range("inverse mass", inverse_mass, 0.0, f32::MAX)?;
         }
@@ -358,6 +362,9 @@ mod tests {
             ParticlesSnapshot { displacements: vec![[0.0; 3]], ..good.clone() },
             ParticlesSnapshot { forces: vec![[0.0; 3]], ..good.clone() },
             ParticlesSnapshot { pin_targets: vec![(2, [0.0; 3])], ..good.clone() },
+            ParticlesSnapshot { threads: vec![[0.0; 2]], ..good.clone() },
+            ParticlesSnapshot { threads: vec![[0.0, f32::NAN]; 2], ..good.clone() },
+            ParticlesSnapshot { edges: vec![f32::INFINITY], ..good.clone() },
         ];
         for snapshot in bad {
             assert!(particles.restore(&snapshot).is_err(), "{snapshot:?}");

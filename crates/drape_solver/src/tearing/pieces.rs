@@ -183,7 +183,9 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         (whole.layout.slot(origin), layout.slot(index))
     });
     particles.pose = whole.pose.picked(cells, slots.clone());
-    particles.plastic = whole.plastic.picked(layout, slots.map(|(from, to)| [from, to]));
+    if layout.is_torn() {
+        particles.plastic = whole.plastic.picked(layout, slots.map(|(from, to)| [from, to]));
+    }
     particles.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
     particles
 }

@@ -1,6 +1,7 @@
 //! Friction in bending: it holds a cloth up to a moment, and lets a fold keep a curvature.
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     BendingFriction, BendingRigidity, Body, BodyContext, BodySettings, ClothBuilder, ClothMaterial,
     Environment, Island, MeshClothBuilder, Quality,
@@ -95,7 +96,7 @@ fn curvature(body: &Body) -> f32 {
     2.0 * ab.cross(bc).length() / (ab.length() * bc.length() * ca.length())
 }
 
-/// What is left of a curvature without a load: friction has slipped on the way there, and perhaps on the way back.
+/// The curvature that is left without a load: friction has slipped on the way there, and perhaps on the way back.
 fn expected(bent: f32, friction: f32) -> f32 {
     let slipped = bent - friction / (4.0 * RIGIDITY);
     (0.8 * slipped).min(friction / RIGIDITY)
@@ -193,6 +194,48 @@ fn friction_slips_alike_in_steps_of_any_length() {
         };
         let [short, long] = [droop(FRAME, 16), droop(8.0 * FRAME, 128)];
         law(&format!("droop in long steps, a mesh: {is_mesh}"), long, short, 5e-3);
+    }
+}
+
+/// Bends do not turn the body: a ring of a stiff mesh, curved at rest, and a fold that friction holds in a stiff strip keep their angular
+/// momentum. Their rests were those of a substep before, and braked them.
+#[test]
+fn stiff_curves_spin_on() {
+    let stiff = ClothMaterial {
+        bending_rigidity: BendingRigidity::isotropic(2e-3),
+        bending_friction: BendingFriction::isotropic(0.0),
+        ..material(0.0)
+    };
+    let (around, radius) = (24, 0.05_f32);
+    let vertex = |i: u32| {
+        let angle = (i % around) as f32 / around as f32 * core::f32::consts::TAU;
+        Vec3::new(angle.cos() * radius, angle.sin() * radius, (i / around) as f32 * 0.013)
+    };
+    let faces = (0..4 * around).flat_map(|i| {
+        let [a, b] = [i, i / around * around + (i + 1) % around];
+        [[a, b, a + around], [b, b + around, a + around]]
+    });
+    let ring = MeshClothBuilder::new((0..5 * around).map(vertex).collect(), faces.collect());
+    let ring = ring.material(stiff).build(BodySettings::default()).expect("valid");
+
+    let held = ClothMaterial { bending_friction: BendingFriction::isotropic(3e-2), ..stiff };
+    let mut fold = built(loose_strip(0.0, 16, 16).material(held));
+    bend(&mut fold, 16, 15.0);
+    for (name, mut body) in [("a ring", ring), ("a fold", fold)] {
+        body.settings = BodySettings { drag: 0.0, ..BodySettings::default() };
+        let mut island = Island::of_body(body);
+        // The fold finds its shape.
+        run(&mut island, &weightless(FRAME), 0.5);
+        let all = &mut island.bodies[0].particles;
+        let centre = all.positions().sum::<Vec3>() / all.len() as f32;
+        for i in 0..all.len() {
+            let place = all.position(i);
+            all.set_velocity(i, Vec3::Z.cross(place - centre) * core::f32::consts::TAU);
+        }
+        let start = measure::angular_momentum(all).length();
+        run(&mut island, &weightless(FRAME), 1.0);
+        let end = measure::angular_momentum(particles(&island)).length();
+        law(&format!("angular momentum of {name}"), end, start, 0.15);
     }
 }
 

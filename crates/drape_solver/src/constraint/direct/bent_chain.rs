@@ -22,7 +22,7 @@
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 
-use crate::constants::LEAST_WEIGHT;
+use crate::constants::{ALONG_ONE_LINE, LEAST_WEIGHT};
 use crate::constraint::direct::chain::{Chains, compliances};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
@@ -89,7 +89,7 @@ impl Chains<'_> {
             let below = c.minus(b);
             let mut sum = below.minus(above);
             if let Some(at_rest) = at_rest {
-                sum = sum.minus(Lanes3::load(simd, &at_rest[self.position.place(i + 1)]));
+                sum = sum.minus(turned(sum, Lanes3::load(simd, &at_rest[self.position.place(i + 1)])));
             }
             let moved = wa + wb * 4.0 + wc;
             let compliance = own_compliance.max(moved * LEAST_COMPLIANCE);
@@ -138,6 +138,17 @@ impl Chains<'_> {
     }
 }
 
+/// The `rest` of a bend, turned to its weighted `sum`: a pull along this does not turn the body, which has turned since the rest was found.
+/// As it is where the two are not nearly along one line: then the direction of the sum is noise, as in what was pressed flat.
+#[inline(always)]
+fn turned<S: Simd>(sum: Lanes3<S>, rest: Lanes3<S>) -> Lanes3<S> {
+    let (squared, of_rest, product) = (sum.dot(sum), rest.dot(rest), rest.dot(sum));
+    let size = (of_rest / squared).sqrt();
+    let size = product.simd_ge(f32x16::splat(product.simd, 0.0)).select(size, -size);
+    let is_along = (product * product).simd_gt(squared * of_rest * ALONG_ONE_LINE);
+    sum.times(size).or(is_along, rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,7 +191,12 @@ mod tests {
                 (0..bends).map(|k| all.clone().map(|p| weights(i, p) * w[p] * weights(k, p)).sum()).collect()
             })
             .collect();
-        let sum = |i: usize| position[i] - position[i + 1] * 2.0 + position[i + 2] - rest[i + 1];
+        let sum = |i: usize| {
+            let (sum, rest) = (position[i] - position[i + 1] * 2.0 + position[i + 2], rest[i + 1]);
+            let turned = sum.normalize_or_zero() * rest.length().copysign(rest.dot(sum));
+            let cosine = sum.normalize_or_zero().dot(rest.normalize_or_zero());
+            sum - if cosine * cosine > f64::from(ALONG_ONE_LINE) { turned } else { rest }
+        };
         let right = (0..bends).map(|i| -sum(i)).collect();
         for (i, row) in rows.iter_mut().enumerate() {
             row[i] += compliance;
