@@ -1,4 +1,4 @@
-//! Friction in bending: three sheets are pressed into pleats and let go. Only what friction holds stays.
+//! Friction in bending: three sheets are pressed into pleats and let go. Only pleats that friction holds stay.
 //!
 //! `cargo run --release --example creases --features window`; `--headless` runs without a window, and `--picture FILE` draws
 //! a picture with `--features render`.
@@ -25,11 +25,14 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-/// Rigidity in N m and friction in N, with colours. Friction over rigidity is the curvature that a crease can keep, in 1/m.
-const SHEETS: [(f32, f32, Paint); 3] = [
-    (2e-5, 0.0, Paint::rgb(0.75, 0.12, 0.22)),
-    (2e-5, 8e-4, Paint::rgb(0.78, 0.70, 0.52)),
-    (2e-5, 3e-3, Paint::rgb(0.90, 0.90, 0.88)),
+/// Rigidity in bending, in N m.
+const RIGIDITY: f32 = 2e-5;
+
+/// Friction in bending in N, with colours. Over the rigidity it is the curvature that a crease can keep, in 1/m.
+const SHEETS: [(f32, Paint); 3] = [
+    (0.0, Paint::rgb(0.75, 0.12, 0.22)),
+    (8e-4, Paint::rgb(0.78, 0.70, 0.52)),
+    (3e-3, Paint::rgb(0.90, 0.90, 0.88)),
 ];
 
 /// Particles along a sheet, metres between them, and sticks in a panel between two creases.
@@ -46,7 +49,7 @@ struct Flat;
 
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
-    for (place, (rigidity, friction, paint)) in SHEETS.into_iter().enumerate() {
+    for (place, (friction, paint)) in SHEETS.into_iter().enumerate() {
         let length = (ALONG - 1) as f32 * SPACING;
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         commands.spawn((
@@ -54,7 +57,7 @@ fn setup(mut commands: Commands) {
             Fabric {
                 areal_density: 0.1,
                 bend_stiffness: 0.0,
-                bending_rigidity: BendingRigidity::isotropic(rigidity),
+                bending_rigidity: BendingRigidity::isotropic(RIGIDITY),
                 bending_friction: BendingFriction::isotropic(friction),
                 thickness: 0.003,
                 friction: 0.2,
