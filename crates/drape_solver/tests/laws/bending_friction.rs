@@ -198,7 +198,7 @@ fn friction_slips_alike_in_steps_of_any_length() {
 }
 
 /// Bends do not turn the body: a ring of a stiff mesh, curved at rest, and a fold that friction holds in a stiff strip keep their angular
-/// momentum. Their rests were those of a substep before, and braked them.
+/// momentum. Rests are those of a substep before, and brake a body unless they are turned with it.
 #[test]
 fn stiff_curves_spin_on() {
     let stiff = ClothMaterial {
