@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
@@ -10,12 +9,12 @@ use drape_solver::drape_test::{bending_length, round_drape_coefficient};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     BendingFriction, BendingRigidity, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment,
-    Island, MeasuredFabric, MembraneStiffness, MeshClothBuilder, Quality, step,
+    Island, MeasuredFabric, MembraneStiffness, MeshClothBuilder, Quality,
 };
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::measure::median::{in_ms, median};
+use crate::measure::median::{in_ms, in_turns, median};
 use crate::report::table::write_json;
 
 /// Where to write the figures.
@@ -119,21 +118,13 @@ fn costs() -> Result<Table, Box<dyn Error>> {
         for material in materials {
             islands.push(Island::of_body(sheet(kind, side, material)?));
         }
-        let mut times = [const { Vec::new() }; 3];
-        for _ in 0..STEPS {
-            for (island, times) in islands.iter_mut().zip(&mut times) {
-                let start = Instant::now();
-                step(island, &environment)?;
-                times.push(start.elapsed());
-            }
-        }
-        let milliseconds = |times: &mut Vec<Duration>| {
-            let median = in_ms(median(times));
+        let mut row = vec![format!("{kind} of {side} x {side}")];
+        for mut times in in_turns(&mut islands, &environment, STEPS)? {
+            let median = in_ms(median(&mut times));
             // They are in order now.
-            format!("{median:.3} ({:.3})", in_ms(times[0]))
-        };
-        let [sticks, rigidity, friction] = times.each_mut().map(milliseconds);
-        table.add_row([format!("{kind} of {side} x {side}"), sticks, rigidity, friction]);
+            row.push(format!("{median:.3} ({:.3})", in_ms(times[0])));
+        }
+        table.add_row(row);
     }
     Ok(table)
 }

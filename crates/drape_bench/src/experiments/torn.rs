@@ -10,7 +10,7 @@ use drape_solver::{
     Body, BodySettings, BuildError, ClothBuilder, Environment, Island, StepError, TearLimits, step,
 };
 
-use crate::measure::median::median_us;
+use crate::measure::median::{in_turns, median_us};
 
 /// Steps before the cuts are made.
 const SETTLING: u32 = 60;
@@ -116,13 +116,5 @@ fn checks(body: &mut Body, repeat: u32) -> Result<f64, BuildError> {
 
 /// Median times of a step of each island, in microseconds, taken in turns.
 fn medians(islands: &mut [Island], environment: &Environment, repeat: u32) -> Result<Vec<f64>, StepError> {
-    let mut times = vec![Vec::new(); islands.len()];
-    for _ in 0..repeat {
-        for (times, island) in times.iter_mut().zip(&mut *islands) {
-            let began = Instant::now();
-            step(island, environment)?;
-            times.push(began.elapsed());
-        }
-    }
-    Ok(times.into_iter().map(median_us).collect())
+    Ok(in_turns(islands, environment, repeat)?.into_iter().map(median_us).collect())
 }

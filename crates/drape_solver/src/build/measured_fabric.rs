@@ -41,6 +41,7 @@ pub enum MeasuredFabric {
 /// The figures that a laboratory has measured of a fabric.
 struct Measured {
     name: &'static str,
+    source: &'static str,
     /// In g/m^2.
     mass: f32,
     /// Along warp and weft, in 1e-6 N m.
@@ -50,6 +51,32 @@ struct Measured {
     /// Along warp and weft, and in shear, in N/m.
     membrane: [f32; 3],
     drape: f32,
+}
+
+/// A row of Matsudaira's tables, in units of the KES system: g/m^2, gf cm^2/cm and gf cm/cm.
+const fn kes(
+    name: &'static str,
+    source: &'static str,
+    mass: f32,
+    b: f32,
+    hysteresis: f32,
+    drape: f32,
+) -> Measured {
+    let rigidity = b * 98.0665;
+    let friction = 0.5 * hysteresis * 9806.65;
+    Measured { name, source, mass, rigidity: [rigidity, rigidity], friction, membrane: [0.0; 3], drape }
+}
+
+macro_rules! matsudaira {
+    ($fabric:literal) => {
+        concat!("Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2, fabric ", $fabric)
+    };
+}
+
+macro_rules! petrak {
+    ($fabric:literal) => {
+        concat!("Petrak et al. 2025, Sustainability 17, 1388, fabric ", $fabric)
+    };
 }
 
 impl MeasuredFabric {
@@ -65,42 +92,40 @@ impl MeasuredFabric {
     ];
 
     const fn measured(self) -> Measured {
-        /// A row of Matsudaira's tables, in units of the KES system: gf cm^2/cm and gf cm/cm.
-        const fn kes(name: &'static str, mass: f32, b: f32, hysteresis: f32, drape: f32) -> Measured {
-            let rigidity = b * 98.0665;
-            Measured {
-                name,
-                mass,
-                rigidity: [rigidity, rigidity],
-                friction: 0.5 * hysteresis * 9806.65,
-                membrane: [0.0; 3],
-                drape,
-            }
-        }
-        /// A row of Petrak's tables.
-        const fn petrak(
-            name: &'static str,
-            mass: f32,
-            rigidity: [f32; 2],
-            membrane: [f32; 3],
-            drape: f32,
-        ) -> Measured {
-            Measured { name, mass, rigidity, friction: 0.0, membrane, drape }
-        }
         match self {
-            Self::PolyesterFaille => kes("polyester faille", 104.3, 0.019, 0.007, 0.283),
-            Self::WoolTropical => kes("wool tropical", 162.9, 0.067, 0.033, 0.498),
-            Self::PolyesterTropical => kes("polyester tropical", 116.5, 0.077, 0.029, 0.507),
-            Self::CottonBroadcloth => kes("cotton broadcloth", 123.8, 0.118, 0.124, 0.829),
-            Self::PolyesterTwill => {
-                petrak("polyester twill", 135.17, [1.95, 0.61], [477.226, 458.614, 41.0], 0.223)
+            Self::PolyesterFaille => kes("polyester faille", matsudaira!("F"), 104.3, 0.019, 0.007, 0.283),
+            Self::WoolTropical => kes("wool tropical", matsudaira!("B"), 162.9, 0.067, 0.033, 0.498),
+            Self::PolyesterTropical => {
+                kes("polyester tropical", matsudaira!("C"), 116.5, 0.077, 0.029, 0.507)
             }
-            Self::PolyesterPlain => {
-                petrak("polyester plain weave", 83.66, [0.85, 0.33], [471.944, 373.515, 46.0], 0.228)
-            }
-            Self::ViscoseTwill => {
-                petrak("viscose twill", 286.13, [2.97, 2.4], [403.447, 401.762, 61.0], 0.286)
-            }
+            Self::CottonBroadcloth => kes("cotton broadcloth", matsudaira!("A"), 123.8, 0.118, 0.124, 0.829),
+            Self::PolyesterTwill => Measured {
+                name: "polyester twill",
+                source: petrak!("M1"),
+                mass: 135.17,
+                rigidity: [1.95, 0.61],
+                friction: 0.0,
+                membrane: [477.226, 458.614, 41.0],
+                drape: 0.223,
+            },
+            Self::PolyesterPlain => Measured {
+                name: "polyester plain weave",
+                source: petrak!("M2"),
+                mass: 83.66,
+                rigidity: [0.85, 0.33],
+                friction: 0.0,
+                membrane: [471.944, 373.515, 46.0],
+                drape: 0.228,
+            },
+            Self::ViscoseTwill => Measured {
+                name: "viscose twill",
+                source: petrak!("M4"),
+                mass: 286.13,
+                rigidity: [2.97, 2.4],
+                friction: 0.0,
+                membrane: [403.447, 401.762, 61.0],
+                drape: 0.286,
+            },
         }
     }
 
@@ -111,21 +136,7 @@ impl MeasuredFabric {
 
     /// The publication, with the name that the fabric has there.
     pub const fn source(self) -> &'static str {
-        match self {
-            Self::PolyesterFaille => {
-                "Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2, fabric F"
-            }
-            Self::WoolTropical => "Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2, fabric B",
-            Self::PolyesterTropical => {
-                "Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2, fabric C"
-            }
-            Self::CottonBroadcloth => {
-                "Matsudaira et al. 2015, J. Textile Eng. 61(6), tables 1 and 2, fabric A"
-            }
-            Self::PolyesterTwill => "Petrak et al. 2025, Sustainability 17, 1388, fabric M1",
-            Self::PolyesterPlain => "Petrak et al. 2025, Sustainability 17, 1388, fabric M2",
-            Self::ViscoseTwill => "Petrak et al. 2025, Sustainability 17, 1388, fabric M4",
-        }
+        self.measured().source
     }
 
     /// The drape coefficient that was published, 0 to 1.

@@ -94,8 +94,7 @@ pub(crate) fn kept_edges(
         match kept.binary_search_by_key(&corners, |&(corners, _)| corners) {
             Ok(place) => kept[place].1 * sign,
             Err(_) => {
-                let places = places(&particles.position.cells, bend);
-                let sum = bend.sum(places).dot(bend.normal(places));
+                let sum = bend.signed_sum(places(&particles.position.cells, bend));
                 bend.slip.map_or(sum, |slip| slip.balanced(bend.rest, sum))
             }
         }
@@ -143,8 +142,7 @@ mod tests {
     fn distances(body: &Body) -> Vec<f32> {
         let bends = body.topology.bends.listed.iter().enumerate();
         let off = bends.filter_map(|(index, bend)| {
-            let places = places(&body.particles.position.cells, bend);
-            let sum = bend.sum(places).dot(bend.normal(places));
+            let sum = bend.signed_sum(places(&body.particles.position.cells, bend));
             Some((bend.plastic(index, &body.particles.plastic) - sum).abs() / bend.slip?.reach)
         });
         off.collect()

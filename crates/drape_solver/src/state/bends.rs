@@ -173,6 +173,11 @@ impl ListedBend {
         normal.normalize_or_zero()
     }
 
+    /// The weighted sum along the normal.
+    pub fn signed_sum(&self, places: [Vec3; 4]) -> f32 {
+        self.sum(places).dot(self.normal(places))
+    }
+
     /// Its plastic sum; `index` is its place in the list.
     pub fn plastic(&self, index: usize, plastic: &PlasticBends) -> f32 {
         match self.thread {

@@ -38,15 +38,6 @@ fn strip(rigidity: f32, overhang: f32, sticks: u32) -> ClothBuilder {
         .pin_where(move |column, _, _| column == sticks)
 }
 
-/// The same as a mesh.
-fn mesh_of(strip: ClothBuilder, material: ClothMaterial, settings: BodySettings) -> Body {
-    let (particles, topology) = strip.build_parts().expect("valid");
-    let places = particles.positions().collect();
-    let pins = (0..particles.len()).filter(|&i| particles.is_pinned(i)).map(|i| i as u32);
-    let mesh = MeshClothBuilder::new(places, topology.faces().to_vec()).material(material);
-    pins.fold(mesh, MeshClothBuilder::pin).build(settings).expect("valid")
-}
-
 /// Peirce's bending length in metres, of a strip across a support or a mesh of it.
 fn length_of(body: Body, overhang: f32) -> f32 {
     let mut island = Island::of_body(body);

@@ -56,12 +56,8 @@ fn built(cloth: ClothBuilder) -> Body {
 }
 
 /// The same as a mesh.
-fn mesh_of(cloth: ClothBuilder, friction: f32) -> Body {
-    let (particles, topology) = cloth.build_parts().expect("valid");
-    let places = particles.positions().collect();
-    let pins = (0..particles.len()).filter(|&i| particles.is_pinned(i)).map(|i| i as u32);
-    let mesh = MeshClothBuilder::new(places, topology.faces().to_vec()).material(material(friction));
-    pins.fold(mesh, MeshClothBuilder::pin).build(settings()).expect("valid")
+fn meshed(cloth: ClothBuilder, friction: f32) -> Body {
+    mesh_of(cloth, material(friction), settings())
 }
 
 /// Bends a strip of so many sticks to an arc of this curvature in 1/m, all at rest. Its sticks keep their length: each turns by the same
@@ -78,6 +74,25 @@ fn bend(body: &mut Body, sticks: u32, curvature: f32) {
         let place = arc[(rest.x / spacing).round() as usize];
         body.particles.set_position(i, place + Vec3::Z * rest.z);
         body.particles.set_velocity(i, Vec3::ZERO);
+    }
+}
+
+/// A strip of so many sticks that was bent to one curvature, and has been opened to another, so that it is not let go at once: it would
+/// whip, and bend further on the way (Audoly and Neukirch 2005).
+fn opened(mut body: Body, sticks: u32, [bent, left]: [f32; 2]) -> Island {
+    bend(&mut body, sticks, bent);
+    let mut island = Island::of_body(body);
+    run(&mut island, &weightless(1e-3), 1e-3);
+    bend(&mut island.bodies[0], sticks, left);
+    island
+}
+
+/// Has a body turn about its middle, in rad/s.
+fn spin(body: &mut Body, spin: Vec3) {
+    let centre = centre(body);
+    for i in 0..body.particles.len() {
+        let arm = body.particles.position(i) - centre;
+        body.particles.set_velocity(i, spin.cross(arm));
     }
 }
 
@@ -114,14 +129,10 @@ fn a_fold_keeps_the_curvature_that_friction_holds() {
                 ("columns", built(strip_of_columns(friction, sticks, 5)), 0.03),
                 ("patches", built(strip(friction, sticks, 16)), 0.03),
                 ("patches of columns", built(strip_of_columns(friction, sticks, 48)), 0.03),
-                ("a mesh", mesh_of(strip(friction, sticks, 5), friction), 0.2),
+                ("a mesh", meshed(strip(friction, sticks, 5), friction), 0.2),
             ];
-            for (name, mut body, tolerance) in bodies {
-                bend(&mut body, sticks, bent);
-                let mut island = Island::of_body(body);
-                // Let go at once it would whip, and bend further on the way (Audoly and Neukirch 2005).
-                run(&mut island, &weightless(1e-3), 1e-3);
-                bend(&mut island.bodies[0], sticks, 1.1 * expected);
+            for (name, body, tolerance) in bodies {
+                let mut island = opened(body, sticks, [bent, 1.1 * expected]);
                 run(&mut island, &weightless(FRAME), 8.0);
                 let found = curvature(&island.bodies[0]);
                 let subject = format!("curvature kept of {bent}/m, {friction} N, {sticks} sticks, {name}");
@@ -158,19 +169,11 @@ fn a_fold_turns_with_the_body() {
     let friction = 2e-3;
     for (is_mesh, tolerance) in [(false, 0.03), (true, 0.2)] {
         let cloth = loose_strip(friction, 16, 16);
-        let mut body = if is_mesh { mesh_of(cloth, friction) } else { built(cloth) };
+        let mut body = if is_mesh { meshed(cloth, friction) } else { built(cloth) };
         body.settings.drag = 0.0;
-        bend(&mut body, 16, 10.0);
-        let mut island = Island::of_body(body);
-        run(&mut island, &weightless(1e-3), 1e-3);
-        bend(&mut island.bodies[0], 16, 4.0);
-        let particles = &mut island.bodies[0].particles;
-        let centre = particles.positions().sum::<Vec3>() / particles.len() as f32;
+        let mut island = opened(body, 16, [10.0, 4.0]);
         // So slow that nothing of the fold is drawn out of it.
-        let spin = Vec3::new(0.2, 0.2, 0.1);
-        for i in 0..particles.len() {
-            particles.set_velocity(i, spin.cross(particles.position(i) - centre));
-        }
+        spin(&mut island.bodies[0], Vec3::new(0.2, 0.2, 0.1));
         run(&mut island, &weightless(FRAME), 10.0);
         let found = curvature(&island.bodies[0]);
         law("curvature kept through half a turn", found.into(), 4.0, tolerance);
@@ -184,7 +187,7 @@ fn friction_slips_alike_in_steps_of_any_length() {
     for is_mesh in [false, true] {
         let droop = |dt: f32, substeps: u32| {
             let cloth = strip(friction, 16, 16);
-            let mut body = if is_mesh { mesh_of(cloth, friction) } else { built(cloth) };
+            let mut body = if is_mesh { meshed(cloth, friction) } else { built(cloth) };
             body.settings = BodySettings { drag: 2.0, substeps, ..body.settings };
             let mut island = Island::of_body(body);
             run(&mut island, &gravity(dt), 3.0);
@@ -226,13 +229,8 @@ fn stiff_curves_spin_on() {
         let mut island = Island::of_body(body);
         // The fold finds its shape.
         run(&mut island, &weightless(FRAME), 0.5);
-        let all = &mut island.bodies[0].particles;
-        let centre = all.positions().sum::<Vec3>() / all.len() as f32;
-        for i in 0..all.len() {
-            let place = all.position(i);
-            all.set_velocity(i, Vec3::Z.cross(place - centre) * core::f32::consts::TAU);
-        }
-        let start = measure::angular_momentum(all).length();
+        spin(&mut island.bodies[0], Vec3::Z * core::f32::consts::TAU);
+        let start = measure::angular_momentum(particles(&island)).length();
         run(&mut island, &weightless(FRAME), 1.0);
         let end = measure::angular_momentum(particles(&island)).length();
         law(&format!("angular momentum of {name}"), end, start, 0.15);
@@ -245,11 +243,8 @@ fn a_cut_strip_keeps_its_fold() {
     let friction = 2e-3;
     for (is_mesh, tolerance) in [(false, 0.05), (true, 0.2)] {
         let cloth = strip(friction, 16, 16);
-        let mut body = if is_mesh { mesh_of(cloth, friction) } else { built(cloth) };
-        bend(&mut body, 16, 10.0);
-        let mut island = Island::of_body(body);
-        run(&mut island, &weightless(1e-3), 1e-3);
-        bend(&mut island.bodies[0], 16, 4.0);
+        let body = if is_mesh { meshed(cloth, friction) } else { built(cloth) };
+        let mut island = opened(body, 16, [10.0, 4.0]);
         run(&mut island, &weightless(FRAME), 0.5);
         // Along the strip, near one of its sides, and not through the end.
         let [from, to] = [Vec3::new(-1.0, 0.0, 0.056), Vec3::new(1.0, 0.0, 0.056)];
@@ -282,7 +277,7 @@ fn friction_has_the_same_bits_on_all() {
                 .placed(Vec3::ZERO, Vec3::X, Vec3::Z)
                 .material(material(1e-4))
                 .pin(0);
-            for body in [built(grid.clone()), mesh_of(grid.clone(), 1e-4)] {
+            for body in [built(grid.clone()), meshed(grid.clone(), 1e-4)] {
                 let mut island = Island::of_body(body);
                 island.isa = isa;
                 (0..20).for_each(|_| step(&mut island, &gravity(FRAME)));

@@ -8,8 +8,8 @@ use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island,
-    Obstacle, Particles, Placement, RigidBody, SelfContact, Shape, StateHasher, StickKind, StickMaterial,
-    StickProjection, StructuralSolve, TopologyBuilder, step,
+    MeshClothBuilder, Obstacle, Particles, Placement, RigidBody, SelfContact, Shape, StateHasher, StickKind,
+    StickMaterial, StickProjection, StructuralSolve, TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -77,6 +77,15 @@ pub fn joined_by(
     let mut builder = TopologyBuilder::new(positions);
     builder.family(material, sticks.iter().copied()).expect("valid sticks");
     Body::new(particles, Arc::new(builder.build().expect("valid topology")), settings)
+}
+
+/// A cloth of squares as a mesh, with its pins.
+pub fn mesh_of(cloth: ClothBuilder, material: ClothMaterial, settings: BodySettings) -> Body {
+    let (particles, topology) = cloth.build_parts().expect("valid");
+    let places = particles.positions().collect();
+    let pins = (0..particles.len()).filter(|&i| particles.is_pinned(i)).map(|i| i as u32);
+    let mesh = MeshClothBuilder::new(places, topology.faces().to_vec()).material(material);
+    pins.fold(mesh, MeshClothBuilder::pin).build(settings).expect("valid")
 }
 
 /// A ball with no friction, drag or rolling resistance.

@@ -199,13 +199,39 @@ impl SomeBundles<'_> {
         let count = LANES.min(grid.rows - first);
         // The cells of this thread begin with its first bundle.
         let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
-        transpose_rows(simd, width, (cells, &inverse_mass[first * width..]), scratch);
-        let BundleScratch { chain, bends, position, inverse_mass, rest: of_bundle } = &mut **scratch;
+        let BundleScratch { chain, bends, position, inverse_mass: masses, rest: rests } = &mut **scratch;
+        transpose_rows(
+            simd,
+            width,
+            count,
+            #[inline(always)]
+            |cell| cells[cell].axes(),
+            #[inline(always)]
+            |cell, axis, numbers| *position[cell].axes_mut()[axis] = numbers,
+        );
+        transpose_rows(
+            simd,
+            width,
+            count,
+            #[inline(always)]
+            |cell| [&inverse_mass[first * width + cell]],
+            #[inline(always)]
+            |cell, _, numbers| masses[cell] = numbers,
+        );
         let rest = rest.map(|rest| {
-            transpose_cells(simd, width, &rest[first * width..][..count * width], of_bundle);
-            &**of_bundle
+            transpose_rows(
+                simd,
+                width,
+                count,
+                #[inline(always)]
+                |cell| rest[first * width + cell].axes(),
+                #[inline(always)]
+                |cell, axis, numbers| *rests[cell].axes_mut()[axis] = numbers,
+            );
+            &**rests
         });
-        let chains = Chains { position: CellColumn::new(position), inverse_mass, count: grid.columns };
+        let chains =
+            Chains { position: CellColumn::new(position), inverse_mass: masses, count: grid.columns };
         let is_edge = |lane| is_at_edge(first + lane, grid.rows);
         solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
         transpose_back(simd, width, cells, position);
@@ -214,48 +240,27 @@ impl SomeBundles<'_> {
 
 /// Transposes up to sixteen rows, of `width` cells each, into chains side by side. Spare lanes repeat the last row.
 ///
-/// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
-fn transpose_rows<S: Simd>(
+/// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains. `from` has the columns
+/// of numbers of a cell, `to` takes a cell of the chains, the index of a column and its numbers.
+#[inline(always)]
+fn transpose_rows<'a, S: Simd, const N: usize>(
     simd: S,
     width: usize,
-    (cells, masses): (&[Cell], &[[f32; LANES]]),
-    scratch: &mut BundleScratch,
+    rows: usize,
+    from: impl Fn(usize) -> [&'a [f32; LANES]; N],
+    mut to: impl FnMut(usize, usize, [f32; LANES]),
 ) {
-    let BundleScratch { position, inverse_mass, .. } = scratch;
-    transpose_cells(simd, width, cells, position);
-    let last = cells.len() / width - 1;
     simd.vectorize(
         #[inline(always)]
         || {
             for column in 0..width {
-                let cell = |row: usize| row.min(last) * width + column;
-                transpose(
-                    #[inline(always)]
-                    |row| load(simd, &masses[cell(row)]),
-                    #[inline(always)]
-                    |patch, of_rows| inverse_mass[patch * width + column] = of_rows.to_array(),
-                );
-            }
-        },
-    );
-}
-
-/// As [`transpose_rows`], of one column of numbers.
-fn transpose_cells<S: Simd>(simd: S, width: usize, cells: &[Cell], of_chains: &mut [Cell]) {
-    let last = cells.len() / width - 1;
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for column in 0..width {
-                let cell = |row: usize| row.min(last) * width + column;
-                for axis in 0..3 {
+                let cell = |row: usize| row.min(rows - 1) * width + column;
+                for axis in 0..N {
                     transpose(
                         #[inline(always)]
-                        |row| load(simd, cells[cell(row)].axes()[axis]),
+                        |row| load(simd, from(cell(row))[axis]),
                         #[inline(always)]
-                        |patch, of_rows| {
-                            *of_chains[patch * width + column].axes_mut()[axis] = of_rows.to_array();
-                        },
+                        |patch, of_rows| to(patch * width + column, axis, of_rows.to_array()),
                     );
                 }
             }

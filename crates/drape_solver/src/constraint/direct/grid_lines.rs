@@ -10,7 +10,7 @@
 //! Design: `docs/design/line_solves.md`.
 
 use crate::simd::columns::{Cell, LANES};
-use crate::state::bends::{BendScratch, BentGrid};
+use crate::state::bends::{BendScratch, BentGrid, BentThreads};
 use crate::state::layout::{Grid, Layout};
 use crate::state::membrane::{ElasticStick, Membrane};
 use crate::state::settings::{BodySettings, StructuralSolve};
@@ -90,24 +90,24 @@ impl Lines {
 
     /// The bends of these lines; none if they do not resist.
     pub fn bends(self, topology: &Topology) -> Option<Solved> {
-        let [rows, columns] = topology.bends.lines?.threads;
-        let threads = match self {
-            Self::Rows => rows,
-            Self::Columns => columns,
-            Self::Diagonals | Self::Antidiagonals => None,
-        };
-        threads.map(|threads| Solved::Bends(threads.compliance_of_both()))
+        let (threads, _) = self.bent_threads(topology)?;
+        Some(Solved::Bends(threads.compliance_of_both()))
     }
 
     /// The weighted sums of these lines at rest, if friction holds them.
     pub fn rest<'a>(self, topology: &Topology, scratch: &'a BendScratch) -> Option<&'a [Cell]> {
-        let [rows, columns] = topology.bends.lines?.threads;
-        let (threads, rest) = match self {
-            Self::Rows => (rows, &scratch.rest[0]),
-            Self::Columns => (columns, &scratch.rest[1]),
+        let (threads, direction) = self.bent_threads(topology)?;
+        threads.slip.map(|_| &*scratch.rest[direction])
+    }
+
+    /// The threads along these lines, and their direction: 0 along rows, 1 along columns. None if they do not resist.
+    fn bent_threads(self, topology: &Topology) -> Option<(BentThreads, usize)> {
+        let direction = match self {
+            Self::Rows => 0,
+            Self::Columns => 1,
             Self::Diagonals | Self::Antidiagonals => return None,
         };
-        threads?.slip.map(|_| &**rest)
+        Some((topology.bends.lines?.threads[direction]?, direction))
     }
 
     /// The number of lines, and of places in a line.

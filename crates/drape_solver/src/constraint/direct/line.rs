@@ -52,15 +52,16 @@ impl LineScratch {
         if self.bundles.is_empty() {
             self.bundles.push(BundleScratch::default());
         }
+        // Transposed rows include the ghosts at their end.
+        let transposed =
+            |count: usize| grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
         for bundle in &mut self.bundles {
             if topology.bends.lines.is_some() {
                 let count = grid.columns.max(grid.rows);
                 grow(&mut bundle.bends, count);
                 bundle.reserve_particles(count);
                 if topology.bends.has_friction() {
-                    let most =
-                        grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
-                    grow(&mut bundle.rest, most);
+                    grow(&mut bundle.rest, transposed(count));
                 }
             }
         }
@@ -72,15 +73,13 @@ impl LineScratch {
         for lines in all.into_iter().take(if has_diagonals { 4 } else { 2 }) {
             let (_, count) = lines.size(grid);
             let storage = lines.storage(grid);
-            // Transposed rows include the ghosts at their end.
-            let transposed = grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
             for bundle in &mut self.bundles {
                 match storage {
                     LineStorage::Lone => {}
                     LineStorage::InPlace => bundle.chain.reserve(count),
                     LineStorage::Transposed | LineStorage::Gathered => {
                         bundle.chain.reserve(count);
-                        bundle.reserve_particles(transposed);
+                        bundle.reserve_particles(transposed(count));
                     }
                 }
             }
