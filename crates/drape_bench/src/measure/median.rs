@@ -24,7 +24,7 @@ pub fn median_us(mut times: Vec<Duration>) -> f64 {
 /// The times of `repeat` steps of each island, taken in turns.
 ///
 /// # Errors
-/// As [`step`].
+/// As [`step()`].
 pub fn in_turns(
     islands: &mut [Island],
     environment: &Environment,
