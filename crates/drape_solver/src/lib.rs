@@ -81,6 +81,7 @@ pub use state::bending_friction::BendingFriction;
 pub use state::bends::BendingRigidity;
 pub use state::body::{Body, BodyContext};
 pub use state::combine_rule::CombineRule;
+pub use state::face_part::FacePart;
 pub use state::frame_motion::FrameMotion;
 pub use state::hash::StateHasher;
 pub use state::layers::Layers;

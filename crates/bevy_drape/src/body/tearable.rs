@@ -22,8 +22,8 @@ use drape_solver::TearLimits;
 /// }
 /// ```
 ///
-/// The cloth opens along the edges of its faces: no face is lost or divided, and texture coordinates stay the same on both
-/// sides. Each piece that comes off is a new entity: a clone of the torn one, with the same material, settings and components,
+/// A tear opens cloth along the edges of its faces, a cut along the blade: faces that it crosses are divided. Nothing is lost, and
+/// texture coordinates stay the same on both sides. Each piece that comes off is a new entity: a clone of the torn one, with the same material, settings and components,
 /// but with its own particles, sticks and mesh, and without a description such as [`Cloth`](crate::build::cloth::Cloth). The
 /// largest piece stays on the torn entity. Observe [`BodySplit`](crate::tear::messages::BodySplit) to remove components that a
 /// piece should not have.

@@ -42,7 +42,10 @@ pub(crate) fn build_surfaces<D: Shown>(
         }
         let asset = mesh.and_then(|mesh| meshes.get(mesh));
         let is_done = match (mesh, asset) {
-            (Some(_), Some(asset)) => is_known && is_own && can_be_written(asset, particles.len()),
+            (Some(_), Some(asset)) => {
+                let count = surface.map_or(particles.len(), Surface::vertex_count);
+                is_known && is_own && can_be_written(asset, count)
+            }
             // Not loaded yet.
             (Some(handle), None) => matches!(handle, Handle::Strong(_)),
             // The mesh was removed by hand.

@@ -21,6 +21,7 @@ pub(crate) mod any_mesh;
 pub(crate) mod attributes;
 pub(crate) mod build_surfaces;
 pub(crate) mod carriers;
+pub(crate) mod cut_vertices;
 pub(crate) mod detail_mesh;
 pub(crate) mod entity_space;
 pub(crate) mod from_mesh;

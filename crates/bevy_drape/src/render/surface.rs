@@ -10,6 +10,7 @@ use drape_solver::Topology;
 use crate::detail::resampling::resample;
 use crate::render::attributes::position_and_normal;
 use crate::render::carriers::Carried;
+use crate::render::cut_vertices::{CutVertex, write_cut};
 use crate::render::entity_space::EntitySpace;
 use crate::render::normals::{write_grid_normals, write_smooth_normals};
 use crate::render::vertex_map::VertexMap;
@@ -77,6 +78,8 @@ pub(crate) struct Surface {
     /// Mesh that is written.
     pub mesh: AssetId<Mesh>,
     vertices: Vertices,
+    /// The vertices behind those, on the edges of cuts.
+    cut: Vec<CutVertex>,
     previous: StepPositions,
     current: StepPositions,
     /// Interpolated particles of embedded vertices, kept to allocate nothing per frame.
@@ -106,6 +109,7 @@ impl Surface {
             layout,
             mesh: AssetId::default(),
             vertices: Vertices::Particles,
+            cut: Vec::new(),
             previous: current.clone(),
             current,
             between: Vec::new(),
@@ -156,16 +160,18 @@ impl Surface {
     }
 
     /// Returns the surface of a torn body or piece, whose particles have these `origins`, with these welded vertices if
-    /// there are any; none if an origin does not exist.
+    /// there are any, and `cut` vertices; none if an origin does not exist.
     pub fn torn(
         &self,
         origins: &[u32],
         topology: &Arc<Topology>,
         vertices: Option<VertexMap>,
+        cut: Vec<CutVertex>,
     ) -> Option<Self> {
         Some(Self {
             topology: Arc::clone(topology),
             vertices: vertices.map_or(Vertices::Particles, Vertices::Welded),
+            cut,
             previous: self.previous.torn(origins)?,
             current: self.current.torn(origins)?,
             shown: None,
@@ -258,8 +264,13 @@ impl Surface {
 
     /// True if there are as many positions and normals as vertices.
     fn fits(&self, positions: &[[f32; 3]], normals: &[[f32; 3]]) -> bool {
-        let count = self.vertices.count(self.current.positions.len());
+        let count = self.vertex_count();
         positions.len() == count && normals.len() == count
+    }
+
+    /// The number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.count(self.current.positions.len()) + self.cut.len()
     }
 
     /// Writes positions and normals, displaced by `carried`, and returns their bounds.
@@ -283,6 +294,9 @@ impl Surface {
         let after = |b: &Vec3| space.direction(carried.place(to + *b)).to_array();
         self.shown = Some((fraction, space.to_world));
         self.is_displaced = !carried.is_empty();
+        let count = positions.len() - self.cut.len();
+        let (cut_positions, cut_normals) = (&mut *positions, &mut *normals);
+        let (positions, normals) = (&mut cut_positions[..count], &mut cut_normals[..count]);
         match &self.vertices {
             Vertices::Particles => {
                 if fraction < 1.0 {
@@ -328,6 +342,7 @@ impl Surface {
                 return Aabb::from_min_max(low, high);
             }
         }
+        write_cut(&self.cut, cut_positions, cut_normals);
         self.bounds(space, fraction, carried.greatest)
     }
 

@@ -7,8 +7,10 @@ use bevy::prelude::*;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::TornMesh;
 use crate::render::attributes::indices;
+use crate::render::cut_vertices::{DrawnTriangles, blend_attributes};
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
 use crate::render::surface::Surface;
+use crate::render::vertex_map::TornVertices;
 
 /// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(
@@ -27,18 +29,25 @@ pub(crate) fn tear_meshes(
             continue;
         }
         let vertices = surface.welded().map(|vertices| vertices.torn(origins, &sticks.0));
-        let (from, faces) = match &vertices {
-            Some(vertices) => (vertices.origins.as_slice(), vertices.map.triangles()),
-            None => (origins.as_slice(), sticks.faces()),
+        let (from, drawn) = match &vertices {
+            Some(TornVertices { map, origins }) => {
+                let particle = |vertex: u32| map.particles[vertex as usize].unwrap_or_default();
+                (&**origins, DrawnTriangles::new(&sticks.0, map.triangles(), origins.len(), particle))
+            }
+            None => (
+                &**origins,
+                DrawnTriangles::new(&sticks.0, sticks.faces(), origins.len(), |vertex| vertex),
+            ),
         };
-        let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, faces));
-        let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map));
+        let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, &drawn));
+        let cut = drawn.cut.len();
+        let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map), drawn.cut);
         let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
         let bounds = own.write_now(&mut mesh, transform);
         let handle = (*source == entity).then(|| handle.clone());
-        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
+        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default(), cut));
     }
-    for (entity, is_flat, handle, mesh, mut surface, bounds) in made {
+    for (entity, is_flat, handle, mesh, mut surface, bounds, cut) in made {
         let handle = match handle {
             Some(handle) => {
                 if let Some(mut known) = meshes.get_mut(&handle) {
@@ -50,7 +59,8 @@ pub(crate) fn tear_meshes(
         };
         surface.mesh = handle.id();
         if let Some(vertices) = surface.welded() {
-            commands.entity(entity).insert(WeldedVertices::torn(vertices.particles.clone()));
+            let particles = vertices.particles.iter().copied().chain(core::iter::repeat_n(None, cut));
+            commands.entity(entity).insert(WeldedVertices::torn(particles.collect()));
         }
         let mut entity = commands.entity(entity);
         entity.insert((surface, NoAutoAabb, bounds));
@@ -62,17 +72,21 @@ pub(crate) fn tear_meshes(
     }
 }
 
-/// Creates a mesh with the vertices `origins` of another, in this order, and these faces; none if a vertex or the data
-/// are missing.
-fn torn_mesh(mesh: &Mesh, origins: &[u32], faces: &[[u32; 3]]) -> Option<Mesh> {
+/// Creates a mesh with the vertices `origins` of another, in this order, those on the edges of cuts, and these triangles; none if a
+/// vertex or the data are missing.
+fn torn_mesh(mesh: &Mesh, origins: &[u32], drawn: &DrawnTriangles) -> Option<Mesh> {
     let count = mesh.count_vertices();
     if origins.iter().any(|&origin| origin as usize >= count) {
         return None;
     }
     let mut torn = mesh.clone();
     // `duplicate_vertices` copies vertices by index: these are the indices.
-    torn.try_insert_indices(Indices::U32(origins.to_vec())).ok()?;
+    let cut = drawn.cut.iter().map(|vertex| origins[vertex.nearest() as usize]);
+    let all: Vec<u32> = origins.iter().copied().chain(cut).collect();
+    let count = all.len();
+    torn.try_insert_indices(Indices::U32(all)).ok()?;
     torn.try_duplicate_vertices().ok()?;
-    torn.try_insert_indices(indices(origins.len(), faces.as_flattened())).ok()?;
+    torn.try_insert_indices(indices(count, drawn.triangles.as_flattened())).ok()?;
+    blend_attributes(&drawn.cut, &mut torn);
     Some(torn)
 }

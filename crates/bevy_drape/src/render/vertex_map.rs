@@ -18,7 +18,7 @@ pub(crate) struct VertexMap {
     groups: SmoothingGroups,
 }
 
-/// Vertices of a torn body or piece.
+/// Vertices of a torn body or piece, but for those on the edges of cuts.
 pub(crate) struct TornVertices {
     pub map: VertexMap,
     /// For each vertex, the vertex that it came from.
@@ -41,30 +41,29 @@ impl VertexMap {
     /// Returns the vertices of a piece with particles from `origins` and the faces of `topology`. A vertex of a split
     /// particle is duplicated for each part.
     pub fn torn(&self, origins: &[u32], topology: &Topology) -> TornVertices {
-        // Remaining faces: from the sorted original particles of the corners to the present ones.
+        // Remaining faces: from the sorted original particles of the corners to the present ones, of which a face that was cut
+        // has several.
         let was = |corner: u32| (origins[corner as usize], corner);
-        let left: HashMap<[u32; 3], [u32; 3]> = topology
-            .faces()
-            .iter()
-            .map(|face| {
-                let mut corners = face.map(was);
-                corners.sort_unstable();
-                (corners.map(|(was, _)| was), corners.map(|(_, is)| is))
-            })
-            .collect();
+        let mut left: HashMap<[u32; 3], Vec<[u32; 3]>> = HashMap::new();
+        for face in topology.faces() {
+            let mut corners = face.map(was);
+            corners.sort_unstable();
+            left.entry(corners.map(|(was, _)| was)).or_default().push(corners.map(|(_, is)| is));
+        }
         let (mut vertices, mut firsts) = (Numbers::default(), Numbers::default());
         let (mut triangles, mut faces) = (Vec::new(), Vec::new());
         for (triangle, face) in self.triangles.iter().zip(&self.groups.faces) {
             let Some(mut was) = self.corners(triangle) else { continue };
             was.sort_unstable();
-            let Some(is) = left.get(&was) else { continue };
-            let now = |vertex: u32| {
-                let particle = self.particles[vertex as usize];
-                let place = was.iter().position(|&was| Some(was) == particle).unwrap_or_default();
-                (vertex, is[place])
-            };
-            triangles.push(triangle.map(|vertex| vertices.number(now(vertex))));
-            faces.push(face.map(now));
+            for is in left.get(&was).into_iter().flatten() {
+                let now = |vertex: u32| {
+                    let particle = self.particles[vertex as usize];
+                    let place = was.iter().position(|&was| Some(was) == particle).unwrap_or_default();
+                    (vertex, is[place])
+                };
+                triangles.push(triangle.map(|vertex| vertices.number(now(vertex))));
+                faces.push(face.map(now));
+            }
         }
         // The first vertex of a group may be gone; then the first remaining one takes its place.
         let first: Vec<u32> = vertices

@@ -1,7 +1,6 @@
 //! The meshes of torn cloth.
 
 use super::*;
-use bevy_drape::body::Sticks;
 use bevy_drape::tear::CutCloth;
 
 fn texture_coordinates(app: &App, entity: Entity) -> Vec<[f32; 2]> {
@@ -11,7 +10,7 @@ fn texture_coordinates(app: &App, entity: Entity) -> Vec<[f32; 2]> {
     }
 }
 
-/// Both sides of a cut have the vertices, texture coordinates, faces and normals of their own particles.
+/// Both sides of a cut have the vertices, texture coordinates and normals of their own particles, and end on the stroke.
 #[test]
 fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
     let mut app = app();
@@ -19,18 +18,24 @@ fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
     let curtain = app.world_mut().spawn(cloth).id();
     start(&mut app);
     (0..3).for_each(|_| frame(&mut app, 1.0));
-    let whole = mesh_of(&app, curtain).clone();
+    // The row of the stroke in the texture, between the rows of particles above and below it.
+    let column: Vec<f32> = particles(&app, curtain).iter().step_by(9).map(|place| place.y).collect();
+    let below = column.iter().position(|&y| y < 0.05).expect("the stroke is above the hem");
+    let part = (column[below - 1] - 0.05) / (column[below - 1] - column[below]);
+    let level = (below as f32 - 1.0 + part) / 8.0;
     let edge = |x: f32| [Vec3::new(x, 0.05, -1.0), Vec3::new(x, 0.05, 1.0)];
     app.world_mut().write_message(CutCloth::sweep(edge(-1.0), edge(1.0)));
     frame(&mut app, 1.0);
     let mut bodies = app.world_mut().query_filtered::<Entity, With<Particles>>();
     let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
     assert_eq!(bodies.len(), 2);
-    let mut faces = 0;
+    let mut area = 0.0;
     for &entity in &bodies {
         let shown = world_vertices(&app, entity);
         // The step before is shown, when hardly anything had moved.
-        assert!(farthest(&shown, &particles(&app, entity)) < 5e-3);
+        let own = particles(&app, entity);
+        assert!(shown.len() > own.len(), "some lie on the stroke");
+        assert!(farthest(&shown[..own.len()], &own) < 5e-3);
         let rest = texture_coordinates(&app, entity);
         // Hardly moved yet: a vertex still lies where its texture coordinates say.
         for ([u, v], place) in rest.into_iter().zip(shown) {
@@ -39,11 +44,16 @@ fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
         }
         assert!(normals_of(&app, entity).iter().all(|normal| normal.distance(Vec3::Z) < 0.1));
         let indices: Vec<usize> = mesh_of(&app, entity).indices().expect("indexed").iter().collect();
-        let own = app.world().get::<Sticks>(entity).expect("joined").faces().as_flattened();
-        assert!(indices.iter().zip(own).all(|(&index, &corner)| index == corner as usize));
-        faces += indices.len() / 3;
+        let rest: Vec<Vec2> = texture_coordinates(&app, entity).into_iter().map(Vec2::from).collect();
+        for face in indices.as_chunks().0 {
+            let corners: [Vec2; 3] = face.map(|i: usize| rest[i]);
+            let [a, b, c] = corners;
+            area += 0.5 * (b - a).perp_dot(c - a).abs();
+            let beside = |sign: f32| corners.iter().map(|at| sign * (at.y - level)).fold(0.0, f32::max);
+            assert!(beside(1.0).min(beside(-1.0)) < 1e-3, "{corners:?} goes across the stroke at {level}");
+        }
     }
-    assert_eq!(faces, whole.indices().expect("indexed").len() / 3, "no face is lost");
+    assert!((area - 1.0).abs() < 1e-4, "{area} of the texture is left");
     let [first, second] = [0, 1].map(|i| app.world().get::<Mesh3d>(bodies[i]).expect("a mesh").id());
     assert_ne!(first, second, "each has a mesh of its own");
     // They are kept up from now on.
@@ -51,7 +61,7 @@ fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
     let before: Vec<Vec<Vec3>> = bodies.iter().map(|&entity| particles(&app, entity)).collect();
     frame(&mut app, 1.0);
     for (&entity, before) in bodies.iter().zip(&before) {
-        assert!(farthest(&world_vertices(&app, entity), before) < 1e-5);
+        assert!(farthest(&world_vertices(&app, entity)[..before.len()], before) < 1e-5);
     }
 }
 
@@ -77,6 +87,7 @@ fn a_piece_has_what_its_cloth_had() {
     assert_eq!(bodies.len(), 2);
     for (entity, material, of) in bodies {
         assert_eq!((material, of), (Material("silk"), parent));
-        assert!(farthest(&world_vertices(&app, entity), &particles(&app, entity)) < 5e-3);
+        let own = particles(&app, entity);
+        assert!(farthest(&world_vertices(&app, entity)[..own.len()], &own) < 5e-3);
     }
 }

@@ -11,6 +11,7 @@ use crate::state::topology::Topology;
 /// The elements of a body: its faces, or its links if it has no faces. Looks them up by the particles at their corners.
 pub(crate) struct Adjacency<'a> {
     topology: &'a Topology,
+    faces: &'a [[u32; 3]],
     /// Index into `around` of each particle's first element; one entry more at the end.
     first: Vec<u32>,
     /// Elements, particle by particle.
@@ -19,7 +20,12 @@ pub(crate) struct Adjacency<'a> {
 
 impl<'a> Adjacency<'a> {
     pub fn new(topology: &'a Topology) -> Self {
-        let empty = Self { topology, first: Vec::new(), around: Vec::new() };
+        Self::of(topology, &topology.faces)
+    }
+
+    /// That of a topology with these faces in place of its own.
+    pub fn of(topology: &'a Topology, faces: &'a [[u32; 3]]) -> Self {
+        let empty = Self { topology, faces, first: Vec::new(), around: Vec::new() };
         let corners =
             || (0..empty.len()).flat_map(|element| empty.corners(element).iter().map(move |&c| (element, c)));
         let mut first = vec![0; topology.particle_count() + 1];
@@ -42,18 +48,18 @@ impl<'a> Adjacency<'a> {
 
     /// True if the elements are faces, false if they are links.
     pub fn has_faces(&self) -> bool {
-        !self.topology.faces.is_empty()
+        !self.faces.is_empty()
     }
 
     /// The number of faces or links.
     pub fn len(&self) -> usize {
-        if self.has_faces() { self.topology.faces.len() } else { self.topology.segments.len() }
+        if self.has_faces() { self.faces.len() } else { self.topology.segments.len() }
     }
 
     /// The particles of face or link `element`.
     #[inline]
     pub fn corners(&self, element: usize) -> &'a [u32] {
-        if self.has_faces() { &self.topology.faces[element] } else { &self.topology.segments[element] }
+        if self.has_faces() { &self.faces[element] } else { &self.topology.segments[element] }
     }
 
     /// The faces or links at a particle, in order.

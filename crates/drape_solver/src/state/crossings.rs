@@ -49,7 +49,7 @@ impl CrossingCounter {
         let (mut triangles, mut segments) = (Vec::new(), Vec::new());
         let mut first = 0;
         for topology in topologies {
-            triangles.extend(topology.faces().iter().map(|face| face.map(|i| first + i)));
+            triangles.extend(topology.contact_faces().map(|face| face.map(|i| first + i)));
             segments.extend(topology.segments().iter().map(|ends| ends.map(|i| first + i)));
             first += topology.particle_count() as u32;
         }

@@ -131,8 +131,10 @@ fn lists(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> (Vec<u32>, Ve
 fn stars(topology: &Topology) -> Vec<Star> {
     let slot = |index: u32| topology.layout.slot(index as usize) as u32;
     let count = topology.particle_count();
-    let mut of: Vec<Vec<Star>> = (0..count).map(|index| vec![Star::of(slot(index as u32), true)]).collect();
-    for &[a, b, c] in &topology.faces {
+    let touches = points(topology);
+    let star = |index: usize| Star::of(slot(index as u32), touches(index));
+    let mut of: Vec<Vec<Star>> = (0..count).map(|index| vec![star(index)]).collect();
+    for [a, b, c] in topology.contact_faces() {
         if a == b || b == c || c == a {
             continue;
         }
@@ -159,6 +161,16 @@ fn stars(topology: &Topology) -> Vec<Star> {
     of.into_iter().flatten().collect()
 }
 
+/// Tells by index whether a particle touches others: not if it only carries what others touch for it.
+fn points(topology: &Topology) -> impl Fn(usize) -> bool {
+    let mut carries_only = vec![false; topology.particle_count()];
+    if !topology.parts.is_empty() {
+        topology.faces.iter().flatten().for_each(|&corner| carries_only[corner as usize] = true);
+        topology.contact_faces().flatten().for_each(|corner| carries_only[corner as usize] = false);
+    }
+    move |index| !carries_only[index]
+}
+
 /// The first of a particle's stars that has room, or a new one.
 fn with_room(stars: &mut Vec<Star>, has_room: impl Fn(&Star) -> bool) -> &mut Star {
     let place = stars.iter().position(has_room).unwrap_or_else(|| {
@@ -173,7 +185,7 @@ fn with_room(stars: &mut Vec<Star>, has_room: impl Fn(&Star) -> bool) -> &mut St
 /// are two such faces.
 fn edges(topology: &Topology) -> Vec<([u32; 2], [u32; 2])> {
     let mut all: Vec<([u32; 2], u32)> = Vec::new();
-    for &[a, b, c] in &topology.faces {
+    for [a, b, c] in topology.contact_faces() {
         for ([p, q], third) in [([a, b], c), ([b, c], a), ([c, a], b)] {
             if p != q {
                 all.push(([p.min(q), p.max(q)], third));

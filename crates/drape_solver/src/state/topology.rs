@@ -8,6 +8,7 @@ use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
 use crate::state::bends::Bends;
+use crate::state::face_part::FacePart;
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::{Grid, Layout};
 use crate::state::membrane::Membrane;
@@ -213,6 +214,8 @@ pub struct Topology {
     pub(crate) membrane: Option<Membrane>,
     pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
+    /// In order of their faces.
+    pub(crate) parts: Vec<FacePart>,
     /// True if the faces are those of a grid's squares, two for each, row by row.
     pub(crate) has_faces_by_square: bool,
     pub(crate) segments: Vec<[u32; 2]>,
@@ -399,6 +402,24 @@ impl Topology {
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// What blades have left of the faces that they have crossed, in order of the faces. The others are whole.
+    pub fn face_parts(&self) -> &[FacePart] {
+        &self.parts
+    }
+
+    /// The faces by which the body touches itself and other bodies: those of which it has the greater part. So the two sides of a cut
+    /// do not lie across each other.
+    pub(crate) fn contact_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let mut parts = &self.parts[..];
+        let faces = (0..).zip(&self.faces).filter(move |&(face, _)| {
+            let own = parts.iter().take_while(|part| part.face == face).count();
+            let (own, others) = parts.split_at(own);
+            parts = others;
+            own.is_empty() || own.iter().map(FacePart::share).sum::<f32>() > 0.5
+        });
+        faces.map(|(_, &face)| face)
     }
 
     /// Points that touch obstacles besides the particles: the corners of rigid parts.

@@ -1,57 +1,42 @@
 //! Cutting: a blade severs the edges that it crosses (S25).
 //!
-//! A cut runs along the edges of faces. Where the blade crosses an edge, the end nearer to it is split, and the cloth opens
-//! between one such end and the next. No face is divided, so their number stays; the cut is at most half an edge off the
-//! blade.
-//!
-//! ```text
-//!   o-----o-----o         o-----o-----o
-//!   |   / |   / |         |   / |   / |
-//!   - - - - - - - blade   o=====o=====o   the cut
-//!   | /   | /   |         | /   | /   |
-//!   o-----o-----o         o-----o-----o
-//! ```
+//! Cloth parts along the stroke itself (`stroke.rs`): each face that it crosses is there on both sides, of which each has a
+//! part of it, so that a grid stays a grid ([`FacePart`](crate::FacePart)). A rope parts at the particle nearest to the blade.
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
 use glam::Vec3;
 
-use crate::build::adjacency::Adjacency;
 use crate::error::BuildError;
 use crate::state::body::Body;
+use crate::tearing::elements::Elements;
 use crate::tearing::pieces;
 use crate::tearing::split::Cracks;
+use crate::tearing::stroke::Stroke;
 use crate::tearing::tear::Torn;
 
 impl Body {
-    /// Cuts the body with the triangles of a blade (world, metres), such as the surface that a sword has swept. None if nothing
-    /// separates: a cut inside a cloth must be two edges long to open.
+    /// Cuts the body with the triangles of a blade (world, metres), such as the surface that a sword has swept. None if it
+    /// does not pass through any face or link.
     ///
-    /// [`Torn::sticks`] are those that no longer join anything. In contrast to [`tear`](Self::tear), a cut splits pinned
-    /// particles, and both sides stay pinned.
+    /// Each face is cut straight from where the blade enters to where it leaves. Where it ends inside a face, the cut ends before that
+    /// face, until another stroke goes on from there.
+    ///
+    /// [`Torn::sticks`] are those along the edges that it has cut, and those that no longer join anything. In contrast to
+    /// [`tear`](Self::tear), a cut splits pinned particles, and both sides stay pinned if the blade goes through the particle.
     ///
     /// # Errors
     /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
     pub fn cut(&mut self, blade: &[[Vec3; 3]]) -> Result<Option<Torn>, BuildError> {
-        let mut cracks = Cracks::default();
-        let adjacency = Adjacency::new(&self.topology);
-        for element in 0..adjacency.len() {
-            match *adjacency.corners(element) {
-                [a, b, c] => {
-                    let mut ends =
-                        [[a, b], [b, c], [c, a]].map(|edge| self.end_at(edge, blade)).into_iter().flatten();
-                    // A blade that ends in the face crosses only one of its edges.
-                    if let (Some(from), Some(to)) = (ends.next(), ends.next())
-                        && from != to
-                    {
-                        cracks.add_edge(from, to);
-                    }
-                }
-                [a, b] => cracks.particles.extend(self.end_at([a, b], blade)),
-                _ => {}
-            }
+        let (mut elements, mut cracks) = (Elements::of(&self.topology), Cracks::default());
+        let at = |particle: u32| self.particles.position(particle as usize);
+        let rest = |particle: u32| self.topology.rest[particle as usize];
+        Stroke::new(blade, self.topology.longest_edge).divide(&mut elements, at, rest, &mut cracks);
+        if self.topology.faces.is_empty() {
+            let links = self.topology.segments.iter();
+            cracks.particles.extend(links.filter_map(|&link| self.end_at(link, blade)));
         }
-        let parted = pieces::part(self, &cracks)?;
+        let parted = pieces::part(self, &elements, &cracks)?;
         Ok(parted.map(|parted| Torn {
             origins: parted.origins,
             sticks: parted.severed,
@@ -59,10 +44,8 @@ impl Body {
         }))
     }
 
-    /// The end of an edge nearer to the blade's crossing; none if the blade does not cross the edge.
+    /// The end of a link nearer to the blade's crossing; none if the blade does not cross the link.
     fn end_at(&self, [a, b]: [u32; 2], blade: &[[Vec3; 3]]) -> Option<u32> {
-        // Orders the ends, so that both faces at the edge get the same result.
-        let (a, b) = (a.min(b), a.max(b));
         let [from, to] = [a, b].map(|end| self.particles.position(end as usize));
         let part = blade.iter().find_map(|&triangle| crossing(from, to, triangle))?;
         Some(if part < 0.5 { a } else { b })

@@ -22,8 +22,10 @@
 //! Imports: `build` and everything below. Callers: users and the plugin, between steps.
 
 pub mod cut;
+pub(crate) mod elements;
 pub(crate) mod piece_topology;
 pub mod pieces;
 pub(crate) mod split;
+pub(crate) mod stroke;
 pub mod tear;
 pub(crate) mod tether_crossing;

@@ -58,6 +58,11 @@ impl<'a> PieceTopology<'a> {
         (!own.contains(&ELSEWHERE)).then_some(own)
     }
 
+    /// True if a particle has the place of a pin.
+    fn is_held(&self, member: u32, is_pin: &[bool]) -> bool {
+        is_pin[self.origin(member)] && self.split.is_real[member as usize]
+    }
+
     fn rest(&self) -> Vec<Vec3> {
         self.members.iter().map(|&member| self.old().rest[self.origin(member)]).collect()
     }
@@ -167,13 +172,14 @@ impl<'a> PieceTopology<'a> {
         for (material, sticks) in loose.0 {
             batches.push(material, sticks.len(), BatchSticks::Loose(sticks.into()));
         }
-        let faces = self.split.faces().iter().filter_map(|&face| self.own(face));
+        let (faces, parts) = self.split.faces_of(|corners| self.own(corners));
         let segments = self.split.segments().filter_map(|ends| self.own(ends));
         let mut topology = Topology {
             layout: Layout::Torn(Arc::new(torn)),
             batches: batches.list,
             stick_count: batches.count,
-            faces: faces.collect(),
+            faces,
+            parts,
             segments: segments.collect(),
             longest_edge: self.old().longest_edge,
             rest: self.rest(),
@@ -194,7 +200,8 @@ impl<'a> PieceTopology<'a> {
             let sticks = sticks.filter_map(|(ends, length)| Some((self.own(ends)?, length)));
             builder.family_with_lengths(same[0].batch.material, sticks)?;
         }
-        builder.faces(self.split.faces().iter().filter_map(|&face| self.own(face)))?;
+        let (faces, parts) = self.split.faces_of(|corners| self.own(corners));
+        builder.faces(faces)?;
         builder.segments(self.split.segments().filter_map(|ends| self.own(ends)))?;
         let Bends { rigidity, friction, .. } = self.old().bends;
         builder.bending(rigidity)?.bending_friction(friction)?;
@@ -203,12 +210,12 @@ impl<'a> PieceTopology<'a> {
         old.tethers.list(&old.layout).iter().for_each(|&(_, pin, _)| is_pin[pin as usize] = true);
         let members = 0..self.members.len() as u32;
         let pins: Vec<u32> =
-            members.filter(|&index| is_pin[self.origin(self.members[index as usize])]).collect();
+            members.filter(|&index| self.is_held(self.members[index as usize], &is_pin)).collect();
         if !pins.is_empty() {
             let tethers = Tethers::geodesic(self.members.len(), builder.edges(), &pins);
             builder.tethers(tethers)?;
         }
-        builder.build()
+        Ok(Topology { parts, ..builder.build()? })
     }
 }
 

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use crate::build::adjacency::Adjacency;
 use crate::constraint::bending_friction;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
@@ -14,6 +13,7 @@ use crate::state::body::{Body, BodyContext};
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
+use crate::tearing::elements::Elements;
 use crate::tearing::piece_topology::PieceTopology;
 use crate::tearing::split::{Cracks, Split};
 use crate::tearing::tear::TornStick;
@@ -42,15 +42,19 @@ pub(crate) struct Parted {
 ///
 /// # Errors
 /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
-pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, BuildError> {
+pub(crate) fn part(
+    body: &mut Body,
+    elements: &Elements,
+    cracks: &Cracks,
+) -> Result<Option<Parted>, BuildError> {
     let topology = Arc::clone(&body.topology);
     body.particles.arrange(&topology.layout);
-    let Some(split) = Split::new(Adjacency::new(&topology), cracks) else {
+    let Some(split) = Split::new(&topology, elements, cracks) else {
         return Ok(None);
     };
     let mut severed = Vec::new();
     let batches: Vec<Rejoined> =
-        topology.batches.iter().map(|batch| Rejoined::new(&split, batch, &mut severed)).collect();
+        topology.batches.iter().map(|batch| Rejoined::new(&split, cracks, batch, &mut severed)).collect();
     let severed = severed.into_iter().map(|i| body.torn_stick(i)).collect();
     let members = members(&split, &batches);
     let crossing = TetherCrossing::new(&topology, cracks);
@@ -84,14 +88,15 @@ pub(crate) struct Rejoined<'a> {
 }
 
 impl<'a> Rejoined<'a> {
-    fn new(split: &Split<'a>, batch: &'a StickBatch, severed: &mut Vec<usize>) -> Self {
+    fn new(split: &Split<'a>, cracks: &Cracks, batch: &'a StickBatch, severed: &mut Vec<usize>) -> Self {
         let topology = split.adjacency.topology();
         let mut rejoined = Self { batch, topology, near_cracks: near(split, batch), changed: Vec::new() };
         let mut joined = Vec::new();
         for &i in &rejoined.near_cracks {
-            split.joined(topology.stick(i), &mut joined);
+            let [a, b] = topology.stick(i);
+            split.joined([a, b], &mut joined);
             rejoined.changed.extend(joined.iter().map(|&ends| (ends, topology.rest_length(i))));
-            if joined.is_empty() {
+            if joined.is_empty() || cracks.crossed.contains(&[a.min(b), a.max(b)]) {
                 severed.push(i);
             }
         }
@@ -171,11 +176,16 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         particles.position.set(to, whole.position.get(from));
         particles.displacement.set(to, whole.displacement.get(from));
         let share = split.shares[member as usize];
-        particles.inverse_mass[to] = whole.inverse_mass[from] / share.max(LEAST_SHARE);
+        let is_freed = whole.inverse_mass[from] == 0.0 && !split.is_real[member as usize];
+        particles.inverse_mass[to] = if is_freed {
+            split.inverse_mass_beside(member, |particle| whole.inverse_mass(particle as usize)) / share
+        } else {
+            whole.inverse_mass[from] / share.max(LEAST_SHARE)
+        };
         if !whole.force.is_empty() {
             particles.force.set(to, whole.force.get(from) * share);
         }
-        let targets = whole.pin_targets.iter().filter(|&&(slot, _)| slot as usize == from);
+        let targets = whole.pin_targets.iter().filter(|&&(slot, _)| slot as usize == from && !is_freed);
         particles.pin_targets.extend(targets.map(|&(_, target)| (to as u32, target)));
     }
     let slots = members.iter().enumerate().map(|(index, &member)| {

@@ -14,17 +14,30 @@
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::Vec3;
 
 use crate::build::adjacency::Adjacency;
+use crate::state::face_part::FacePart;
+use crate::state::topology::Topology;
+use crate::tearing::elements::Elements;
 
 /// The edges and particles at which a body separates.
 #[derive(Default)]
 pub(crate) struct Cracks {
     /// Edges of faces, lower index first.
     pub edges: BTreeSet<[u32; 2]>,
-    /// Particles at which links separate.
+    /// Sides of elements along edges: from one weight of the end with the higher index to another.
+    pub sides: BTreeMap<[u32; 2], Vec<[f32; 2]>>,
+    /// Edges that a blade crosses.
+    pub crossed: BTreeSet<[u32; 2]>,
+    /// Particles at which links separate, and corners of divided faces.
     pub particles: BTreeSet<u32>,
+    /// The way of a blade through faces at rest, in metres.
+    pub lines: Vec<[Vec3; 2]>,
+    /// True if a blade has ended inside a face.
+    pub are_entered: bool,
 }
 
 impl Cracks {
@@ -32,8 +45,21 @@ impl Cracks {
         self.edges.insert([a.min(b), a.max(b)]);
     }
 
-    fn has_edge(&self, a: u32, b: u32) -> bool {
-        self.edges.contains(&[a.min(b), a.max(b)])
+    /// Adds a side of an element that lies along an edge.
+    pub fn add_side(&mut self, side: Option<([u32; 2], [f32; 2])>) {
+        let Some((edge, [a, b])) = side else { return };
+        let (side, known) = ([a.min(b), a.max(b)], self.sides.entry(edge).or_default());
+        if !known.contains(&side) {
+            known.push(side);
+        }
+    }
+
+    /// True if a part of an edge, between two weights of its end with the higher index, is whole.
+    fn leave(&self, a: u32, b: u32, [low, high]: [f32; 2]) -> bool {
+        let edge = [a.min(b), a.max(b)];
+        let sides = self.sides.get(&edge).into_iter().flatten();
+        let cracked: f32 = sides.map(|side| (side[1].min(high) - side[0].max(low)).max(0.0)).sum();
+        !self.edges.contains(&edge) && high - low > cracked
     }
 
     /// The particles at the cracks, in order.
@@ -45,19 +71,23 @@ impl Cracks {
 /// A body with its cracks open. Particles keep their indices; copies come behind them.
 pub(crate) struct Split<'a> {
     pub adjacency: Adjacency<'a>,
+    elements: &'a Elements,
     /// The corners of each face; for a link its two ends, the second of them twice.
     corners: Vec<[u32; 3]>,
     /// For each particle its index before the split; for a copy, that of the particle it was split from.
     pub origins: Vec<u32>,
     /// For each particle its share (0 to 1) of the mass before the split.
     pub shares: Vec<f32>,
+    /// For each particle true if its place belongs to one of its faces: else it only carries parts of them.
+    pub is_real: Vec<bool>,
     /// For each particle true if its sticks may change.
     is_near: Vec<bool>,
 }
 
 impl<'a> Split<'a> {
     /// Opens the cracks; none if no particle is split.
-    pub fn new(adjacency: Adjacency<'a>, cracks: &Cracks) -> Option<Self> {
+    pub fn new(topology: &'a Topology, elements: &'a Elements, cracks: &Cracks) -> Option<Self> {
+        let adjacency = Adjacency::of(topology, &elements.corners);
         let count = adjacency.topology().particle_count();
         let all = |element: usize| match *adjacency.corners(element) {
             [a, b, c] => [a, b, c],
@@ -68,52 +98,89 @@ impl<'a> Split<'a> {
             corners: (0..adjacency.len()).map(all).collect(),
             origins: (0..count as u32).collect(),
             shares: vec![1.0; count],
+            is_real: vec![true; count],
             is_near: vec![false; count],
             adjacency,
+            elements,
         };
         for particle in cracks.touched() {
             split.part(particle, cracks);
         }
-        (split.origins.len() > count).then_some(split)
+        (split.origins.len() > count || !cracks.lines.is_empty() || cracks.are_entered).then_some(split)
     }
 
     /// Gives each group of faces around a particle a particle of its own. The largest group keeps the particle.
     fn part(&mut self, particle: u32, cracks: &Cracks) {
-        let Self { adjacency, corners, origins, shares, is_near } = self;
-        let mut groups = groups_around(adjacency, particle, cracks);
+        let Self { adjacency, elements, corners, origins, shares, is_real, is_near } = self;
+        let mut groups = groups_around(adjacency, elements, particle, cracks);
         for corner in adjacency.around(particle).flat_map(|element| adjacency.corners(element)) {
             is_near[*corner as usize] = true;
         }
         if groups.len() < 2 {
             return;
         }
-        let size = |group: &Vec<usize>| group.iter().map(|&element| adjacency.size(element)).sum::<f32>();
+        let has_faces = adjacency.has_faces();
+        let weight = |element: usize| if has_faces { elements.weight(element, particle) } else { 1.0 };
+        let size = |group: &Vec<usize>| {
+            group.iter().map(|&element| adjacency.size(element) * weight(element)).sum::<f32>()
+        };
+        let reaches =
+            |group: &Vec<usize>| !has_faces || group.iter().any(|&element| elements.reaches(element, particle));
         let total: f32 = groups.iter().map(size).sum();
         let equal = 1.0 / groups.len() as f32;
-        let share = |group: &Vec<usize>| if total > 0.0 { size(group) / total } else { equal };
+        let part = |group: &Vec<usize>| if total > 0.0 { size(group) / total } else { equal };
+        // What carries little of a face is not too light for what it is joined to.
+        let is_light = groups.iter().any(|group| part(group) < LEAST_SHARE);
+        let share = |group: &Vec<usize>| if is_light { part(group).max(LEAST_SHARE) } else { part(group) };
+        let all: f32 = if is_light { groups.iter().map(share).sum() } else { 1.0 };
         // The sort is stable: of equal groups, the one with the first face keeps the particle.
-        groups.sort_by(|p, q| size(q).total_cmp(&size(p)));
-        shares[particle as usize] = share(&groups[0]);
+        groups.sort_by(|p, q| reaches(q).cmp(&reaches(p)).then(size(q).total_cmp(&size(p))));
+        shares[particle as usize] = share(&groups[0]) / all;
+        is_real[particle as usize] = reaches(&groups[0]);
         for group in &groups[1..] {
             let copy = origins.len() as u32;
             origins.push(particle);
-            shares.push(share(group));
+            shares.push(share(group) / all);
+            is_real.push(reaches(group));
             for &element in group {
                 for (corner, &was) in corners[element].iter_mut().zip(adjacency.corners(element)) {
                     if was == particle {
                         *corner = copy;
                     }
                 }
-                if !adjacency.has_faces() {
+                if !has_faces {
                     corners[element][2] = corners[element][1];
                 }
             }
         }
     }
 
-    /// The corners of each face.
-    pub fn faces(&self) -> &[[u32; 3]] {
-        if self.adjacency.has_faces() { &self.corners } else { &[] }
+    /// The faces, of which `own` gives the particles in a piece, and the parts of them; those without stay away. Parts of a face
+    /// whose particles still hang together are one face.
+    pub fn faces_of(&self, own: impl Fn([u32; 3]) -> Option<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<FacePart>) {
+        let (mut faces, mut parts): (Vec<[u32; 3]>, Vec<FacePart>) = Default::default();
+        if !self.adjacency.has_faces() {
+            return (faces, parts);
+        }
+        let mut divided: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (element, &corners) in self.corners.iter().enumerate() {
+            let Some(corners) = own(corners) else { continue };
+            let part = self.elements.face_part(element, 0);
+            let known = part.as_ref().and_then(|_| {
+                let known = divided.entry(self.elements.face(element)).or_default();
+                known.iter().copied().find(|&face| faces[face as usize] == corners)
+            });
+            let face = known.unwrap_or(faces.len() as u32);
+            if known.is_none() {
+                faces.push(corners);
+            }
+            if let Some(part) = part {
+                divided.entry(self.elements.face(element)).or_default().push(face);
+                parts.push(FacePart { face, ..part });
+            }
+        }
+        parts.sort_by_key(|part| part.face);
+        (faces, parts)
     }
 
     /// The ends of each link.
@@ -186,6 +253,34 @@ impl<'a> Split<'a> {
         common.min_by(|p, q| off(p).total_cmp(&off(q)).then(p.cmp(q)))
     }
 
+    /// The mean place of the corners of the elements around a particle at rest.
+    pub fn middle_of(&self, member: u32) -> Vec3 {
+        let rest = &self.adjacency.topology().rest;
+        let own = self.adjacency.around(self.origins[member as usize]);
+        let own = own.filter(|&element| self.corners[element].contains(&member));
+        let at = |corner: u32| rest[corner as usize];
+        let mut corners = Vec::new();
+        for element in own {
+            if self.adjacency.has_faces() {
+                let polygon = self.elements.polygon(element).iter();
+                corners.extend(polygon.map(|&point| self.elements.place(element, point, at).as_vec3()));
+            } else {
+                corners.extend(self.adjacency.corners(element).iter().map(|&corner| at(corner)));
+            }
+        }
+        let sum: Vec3 = corners.iter().sum();
+        if corners.is_empty() { at(self.origins[member as usize]) } else { sum / corners.len() as f32 }
+    }
+
+    /// The mean inverse mass in 1/kg of the particles beside a copy that are not pinned; 0 if all are.
+    pub fn inverse_mass_beside(&self, member: u32, inverse_mass: impl Fn(u32) -> f32) -> f32 {
+        let own = self.adjacency.around(self.origins[member as usize]);
+        let own = own.filter(|&element| self.corners[element].contains(&member));
+        let beside = own.flat_map(|element| self.adjacency.corners(element)).map(|&corner| inverse_mass(corner));
+        let (count, sum) = beside.filter(|&inverse| inverse > 0.0).fold((0.0, 0.0), |(n, sum), inverse| (n + 1.0, sum + inverse));
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
+
     /// The particle that has replaced particle `was` in a face or link.
     fn copy(&self, element: usize, was: u32) -> u32 {
         let place = self.adjacency.corners(element).iter().position(|&corner| corner == was);
@@ -194,12 +289,21 @@ impl<'a> Split<'a> {
 }
 
 /// The faces or links around a particle, in groups that stay together.
-fn groups_around(adjacency: &Adjacency, particle: u32, cracks: &Cracks) -> Vec<Vec<usize>> {
+fn groups_around(
+    adjacency: &Adjacency,
+    elements: &Elements,
+    particle: u32,
+    cracks: &Cracks,
+) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let is_common_edge = |f: usize, g: usize| {
         let others = adjacency.corners(f).iter().filter(|&&corner| corner != particle);
         let mut common = others.filter(|corner| adjacency.corners(g).contains(corner));
-        common.any(|&corner| !cracks.has_edge(particle, corner))
+        common.any(|&corner| {
+            let sides = [f, g].map(|element| elements.on_edge_of(element, particle, corner));
+            let [Some(p), Some(q)] = sides else { return false };
+            cracks.leave(particle, corner, [p[0].max(q[0]), p[1].min(q[1])])
+        })
     };
     let hangs_together = |f: usize, g: usize| {
         if adjacency.has_faces() { is_common_edge(f, g) } else { !cracks.particles.contains(&particle) }
@@ -217,3 +321,6 @@ fn groups_around(adjacency: &Adjacency, particle: u32, cracks: &Cracks) -> Vec<V
     groups.sort_unstable();
     groups
 }
+
+/// The least share of a particle's mass that a copy gets.
+const LEAST_SHARE: f32 = 0.1;

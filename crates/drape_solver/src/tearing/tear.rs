@@ -22,6 +22,7 @@ use crate::constraint::strain::greatest_stretch;
 use crate::error::BuildError;
 use crate::state::body::Body;
 use crate::state::topology::{StickBound, StickKind};
+use crate::tearing::elements::Elements;
 use crate::tearing::pieces::{self, Piece};
 use crate::tearing::split::Cracks;
 
@@ -109,7 +110,7 @@ impl Body {
                 sticks.push(stick);
             }
         }
-        let parted = pieces::part(self, &cracks)?;
+        let parted = pieces::part(self, &Elements::of(&self.topology), &cracks)?;
         Ok(parted.map(|parted| Torn { origins: parted.origins, sticks, pieces: parted.pieces }))
     }
 

@@ -33,8 +33,9 @@ impl TetherCrossing {
         });
         let bounds = [Vec2::INFINITY, Vec2::NEG_INFINITY];
         let mut crossing = Self { axes: axes.unwrap_or([Vec3::X, Vec3::Y]), lines: Vec::new(), bounds };
-        for edge in &cracks.edges {
-            let line = edge.map(|end| crossing.flat(rest(end)));
+        let edges = cracks.edges.iter().map(|edge| edge.map(rest));
+        for line in edges.chain(cracks.lines.iter().copied()) {
+            let line = line.map(|end| crossing.flat(end));
             let [low, high] = crossing.bounds;
             crossing.bounds = [low.min(line[0]).min(line[1]), high.max(line[0]).max(line[1])];
             crossing.lines.push(line);
@@ -73,7 +74,9 @@ impl TetherCrossing {
         for (particle, pin, length) in topology.tethers.list(&topology.layout) {
             for member in copies(particle) {
                 let from = self.flat(inside(split, member));
-                let is_free = |&pin: &u32| !self.is_crossed(from, self.flat(inside(split, pin)));
+                let is_free = |&pin: &u32| {
+                    split.is_real[pin as usize] && !self.is_crossed(from, self.flat(inside(split, pin)))
+                };
                 if let Some(pin) = copies(pin).find(is_free) {
                     uncrossed.push((indices[member as usize], indices[pin as usize], length));
                 }
@@ -84,19 +87,15 @@ impl TetherCrossing {
     }
 }
 
-/// A point just inside the faces around a split particle at rest, on its side of the crack.
+/// A point just inside the faces around a split particle at rest, on its side of the crack; in their middle if the place of the particle
+/// belongs to none of them.
 fn inside(split: &Split, member: u32) -> Vec3 {
-    let rest = &split.adjacency.topology().rest;
-    let place = rest[split.origins[member as usize] as usize];
+    let place = split.adjacency.topology().rest[split.origins[member as usize] as usize];
     if split.shares[member as usize] == 1.0 {
         return place;
     }
-    let own = split.adjacency.around(split.origins[member as usize]);
-    let own = own.filter(|&element| split.corners()[element].contains(&member));
-    let corners = own.flat_map(|element| split.adjacency.corners(element));
-    let (sum, count) =
-        corners.fold((Vec3::ZERO, 0.0), |(sum, count), &c| (sum + rest[c as usize], count + 1.0));
-    if count > 0.0 { place + (sum / count - place) * INWARDS } else { place }
+    let middle = split.middle_of(member);
+    if split.is_real[member as usize] { place + (middle - place) * INWARDS } else { middle }
 }
 
 /// The part of the way to the middle of its faces by which such a point is moved.

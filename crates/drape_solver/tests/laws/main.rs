@@ -17,6 +17,7 @@ mod common;
 mod contact;
 mod continuous;
 mod convergence;
+mod cutting;
 mod cylinder;
 mod determinism;
 mod drag;

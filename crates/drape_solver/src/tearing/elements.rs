@@ -1,0 +1,168 @@
+//! The faces of a body as elements that may separate: each whole face, and each part of a divided one.
+//!
+//! Points on an edge are numbered by the weight of its particle with the higher index, so that the faces beside it name the same point by
+//! the same number.
+//!
+//! Design: `docs/design/tears_and_cuts.md`.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, Vec3};
+
+use crate::state::face_part::{Entry, FacePart, beside_edge, integral};
+use crate::state::topology::Topology;
+
+/// The three corners of a whole face.
+const WHOLE: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
+
+/// Whole faces and parts of faces. The first part of a face has the face's index, the others come behind all faces.
+pub(crate) struct Elements {
+    /// The particles of each element.
+    pub corners: Vec<[u32; 3]>,
+    /// The face of each element.
+    faces: Vec<u32>,
+    /// The polygons of those that are no whole face.
+    parts: Vec<Option<Box<[Vec3]>>>,
+    /// Where a blade has ended, in order of the elements.
+    entries: BTreeMap<usize, Entry>,
+}
+
+impl Elements {
+    pub fn of(topology: &Topology) -> Self {
+        let count = topology.faces.len();
+        let mut elements = Self {
+            corners: topology.faces.clone(),
+            faces: (0..count as u32).collect(),
+            parts: vec![None; count],
+            entries: BTreeMap::new(),
+        };
+        for part in &topology.parts {
+            let face = part.face as usize;
+            let element = match &mut elements.parts[face] {
+                first @ None => {
+                    *first = Some(part.corners.clone());
+                    face
+                }
+                Some(_) => elements.push(face, part.corners.clone()),
+            };
+            elements.entries.extend(part.entry.map(|entry| (element, entry)));
+        }
+        elements
+    }
+
+    /// Adds a part of the face of an element, and returns its number.
+    fn push(&mut self, element: usize, polygon: Box<[Vec3]>) -> usize {
+        self.corners.push(self.corners[element]);
+        self.faces.push(self.faces[element]);
+        self.parts.push(Some(polygon));
+        self.corners.len() - 1
+    }
+
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The face of an element.
+    pub fn face(&self, element: usize) -> u32 {
+        self.faces[element]
+    }
+
+    /// The polygon of an element, by the weights of its particles.
+    pub fn polygon(&self, element: usize) -> &[Vec3] {
+        self.parts[element].as_deref().unwrap_or(&WHOLE)
+    }
+
+    /// The polygon of an element that is no whole face.
+    fn part(&self, element: usize) -> Option<&[Vec3]> {
+        self.parts[element].as_deref()
+    }
+
+    /// An element as a part of face `face`; none if it is whole.
+    pub fn face_part(&self, element: usize, face: u32) -> Option<FacePart> {
+        let entry = self.entry(element);
+        let is_part = self.parts[element].is_some() || entry.is_some();
+        is_part.then(|| FacePart { face, corners: self.polygon(element).into(), entry })
+    }
+
+    /// Where a blade has ended inside an element.
+    pub fn entry(&self, element: usize) -> Option<Entry> {
+        self.entries.get(&element).copied()
+    }
+
+    /// Notes where a blade has ended inside an element.
+    pub fn enter(&mut self, element: usize, entry: Entry) {
+        self.entries.insert(element, entry);
+    }
+
+    /// Divides an element.
+    pub fn divide(&mut self, element: usize, [kept, other]: [Vec<Vec3>; 2]) {
+        self.entries.remove(&element);
+        self.parts[element] = Some(kept.into());
+        self.push(element, other.into());
+    }
+
+    /// Makes a point of the edge opposite to corner `beside` a corner of the element, if its outline runs through that point.
+    pub fn insert(&mut self, element: usize, beside: usize, point: Vec3) {
+        let polygon = self.polygon(element);
+        let along = (beside + 1) % 3;
+        let Some(after) = sides(polygon).position(|ends| {
+            let [a, b] = ends.map(|end| end[along]);
+            ends.iter().all(|end| end[beside] == 0.0) && a.min(b) < point[along] && point[along] < a.max(b)
+        }) else {
+            return;
+        };
+        let mut polygon = polygon.to_vec();
+        polygon.insert(after + 1, point);
+        self.parts[element] = Some(polygon.into());
+    }
+
+    /// The particles at the ends of the edge of the face on which both points lie, the lower index first, and each point's weight of the
+    /// higher one; none unless they lie on one.
+    pub fn on_edge(&self, element: usize, points: [Vec3; 2]) -> Option<([u32; 2], [f32; 2])> {
+        let corners = self.corners[element];
+        let beside = beside_edge(points)?;
+        let [mut low, mut high] = [(beside + 1) % 3, (beside + 2) % 3];
+        if corners[low] > corners[high] {
+            (low, high) = (high, low);
+        }
+        Some(([corners[low], corners[high]], points.map(|point| point[high])))
+    }
+
+    /// The part of the edge from `p` to `q` at which the element ends, as weights of the one with the higher index; none if it does not
+    /// reach that edge.
+    pub fn on_edge_of(&self, element: usize, p: u32, q: u32) -> Option<[f32; 2]> {
+        let edge = [p.min(q), p.max(q)];
+        let Some(polygon) = self.part(element) else {
+            return edge.iter().all(|end| self.corners[element].contains(end)).then_some([0.0, 1.0]);
+        };
+        let sides = sides(polygon).filter_map(|side| self.on_edge(element, side));
+        let own = sides.filter(|(ends, _)| *ends == edge).map(|(_, [a, b])| [a.min(b), a.max(b)]);
+        own.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
+    }
+
+    /// True if the element has the place of particle `corner` itself, not only its weight.
+    pub fn reaches(&self, element: usize, corner: u32) -> bool {
+        let place = self.corners[element].iter().position(|&other| other == corner);
+        place.is_some_and(|place| self.polygon(element).contains(&WHOLE[place]))
+    }
+
+    /// A particle's part in the area of an element: 1 for each corner of a whole face, and in all three parts of the share for a part.
+    pub fn weight(&self, element: usize, particle: u32) -> f32 {
+        let Some(polygon) = self.part(element) else { return 1.0 };
+        let place = self.corners[element].iter().position(|&corner| corner == particle);
+        3.0 * place.map_or(0.0, |place| integral(polygon)[place])
+    }
+
+    /// A corner of a polygon in the world or at rest: the same bits for the elements at both sides of an edge.
+    pub fn place(&self, element: usize, point: Vec3, at: impl Fn(u32) -> Vec3) -> DVec3 {
+        let mut corners = [0, 1, 2].map(|corner| (self.corners[element][corner], point[corner]));
+        corners.sort_unstable_by_key(|&(particle, _)| particle);
+        let weighted = corners.iter().filter(|&&(_, weight)| weight != 0.0);
+        weighted.map(|&(particle, weight)| at(particle).as_dvec3() * f64::from(weight)).sum()
+    }
+}
+
+/// The sides of a polygon; side `i` begins at its corner `i`.
+pub(crate) fn sides(polygon: &[Vec3]) -> impl Iterator<Item = [Vec3; 2]> + '_ {
+    (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]])
+}

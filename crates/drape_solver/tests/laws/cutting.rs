@@ -1,0 +1,351 @@
+//! Cuts follow the blade (S25): what is drawn ends on the stroke, and nothing of it is lost.
+
+use std::collections::BTreeMap;
+
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::crossings::CrossingCounter;
+use drape_solver::state::measure;
+use drape_solver::{Body, BodySettings, ClothBuilder, Edge, Island, MeshClothBuilder, SelfContact, Torn};
+
+use crate::common::*;
+
+/// A corner of a polygon: the particles on which it depends, in order, and the bits of their weights.
+type Corner = Vec<(u32, u32)>;
+
+/// Whole faces and parts of faces of a body: the particles of the face, and the weights of them at each corner.
+pub fn polygons(body: &Body) -> Vec<([u32; 3], Vec<Vec3>)> {
+    let topology = &body.topology;
+    let parts = topology.face_parts();
+    assert!(parts.is_sorted_by_key(|part| part.face));
+    let whole = |face: usize| parts.binary_search_by_key(&(face as u32), |part| part.face).is_err();
+    let faces = topology.faces().iter().enumerate().filter(|(face, _)| whole(*face));
+    let faces = faces.map(|(_, &face)| (face, vec![Vec3::X, Vec3::Y, Vec3::Z]));
+    let parts = parts.iter().map(|part| (topology.faces()[part.face as usize], part.corners.to_vec()));
+    faces.chain(parts).collect()
+}
+
+fn corner(face: [u32; 3], weights: Vec3) -> Corner {
+    let mut corner: Corner = (0..3).filter(|&i| weights[i] != 0.0).map(|i| (face[i], weights[i].to_bits())).collect();
+    corner.sort_unstable();
+    corner
+}
+
+/// The place of a point of a face.
+fn place(face: [u32; 3], weights: Vec3, at: impl Fn(usize) -> Vec3) -> DVec3 {
+    (0..3).map(|i| at(face[i] as usize).as_dvec3() * f64::from(weights[i])).sum()
+}
+
+/// Area at rest of all that is drawn, in square metres.
+pub fn area(bodies: &[Body]) -> f64 {
+    let of_polygon = |body: &Body, (face, polygon): ([u32; 3], Vec<Vec3>)| {
+        let places: Vec<DVec3> =
+            polygon.iter().map(|&point| place(face, point, |i| body.topology.rest_position(i))).collect();
+        let fan = places[1..].windows(2).map(|pair| (pair[0] - places[0]).cross(pair[1] - places[0]));
+        0.5 * fan.sum::<DVec3>().length()
+    };
+    let of_body = |body: &Body| polygons(body).into_iter().map(|of| of_polygon(body, of)).sum::<f64>();
+    bodies.iter().map(of_body).sum()
+}
+
+/// What is drawn is a surface: each side bounds one polygon, or two whose senses agree, and no polygon is turned over. Faces that
+/// share a particle hang together by edges.
+pub fn assert_manifold(body: &Body) {
+    let mut sides: BTreeMap<[Corner; 2], u32> = BTreeMap::new();
+    let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    let all = polygons(body);
+    for (number, (face, polygon)) in all.iter().enumerate() {
+        face.iter().for_each(|&particle| around.entry(particle).or_default().push(number));
+        for (i, &from) in polygon.iter().enumerate() {
+            let to = polygon[(i + 1) % polygon.len()];
+            *sides.entry([corner(*face, from), corner(*face, to)]).or_default() += 1;
+            assert!((from.element_sum() - 1.0).abs() < 1e-5 && from.min_element() >= 0.0, "{from}");
+            for &third in polygon {
+                let turn = from.dot(to.cross(third));
+                assert!(turn > -1e-5, "a corner that bends inwards: {polygon:?}");
+            }
+        }
+    }
+    for ([from, to], count) in &sides {
+        assert_eq!(*count, 1, "polygons in two senses, or more than two, at {from:?} to {to:?}");
+    }
+    for (particle, polygons) in around {
+        let sides_of = |number: usize| {
+            let (face, polygon) = &all[number];
+            (0..polygon.len()).map(move |i| [polygon[i], polygon[(i + 1) % polygon.len()]].map(|point| corner(*face, point)))
+        };
+        let (mut reached, mut next) = (vec![polygons[0]], 0);
+        while let Some(&number) = reached.get(next) {
+            next += 1;
+            for &other in &polygons {
+                let is_beside = sides_of(number).any(|[from, to]| sides_of(other).any(|side| side == [to.clone(), from.clone()]));
+                if is_beside && !reached.contains(&other) {
+                    reached.push(other);
+                }
+            }
+        }
+        assert_eq!(reached.len(), polygons.len(), "faces hang together by particle {particle} alone");
+    }
+}
+
+/// A blade through a sheet in the XY plane.
+fn blade(from: Vec3, to: Vec3) -> [[Vec3; 3]; 2] {
+    let wide = Vec3::Z * 2.0;
+    [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]]
+}
+
+fn cut(body: &mut Body, from: Vec3, to: Vec3) -> Option<Torn> {
+    body.cut(&blade(from, to)).expect("can be cut")
+}
+
+/// A free sheet of 1 m x 1 m in the XY plane around the origin, as a grid or as a mesh of uneven triangles.
+fn sheet(columns: u32, rows: u32, is_mesh: bool) -> Body {
+    let grid = ClothBuilder::new(1.0, 1.0, columns, rows)
+        .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
+        .build(BodySettings { substeps: 4, ..BodySettings::default() })
+        .expect("valid");
+    if !is_mesh {
+        return grid;
+    }
+    let mut dice = Dice(columns.into());
+    let places = grid.particles.positions().map(|place| {
+        let is_rim = place.abs().max_element() > 0.499;
+        if is_rim { place } else { place + dice.vector(0.3 / columns as f32).with_z(0.0) }
+    });
+    let mesh = MeshClothBuilder::new(places.collect(), grid.topology.faces().to_vec());
+    mesh.build(BodySettings { substeps: 4, ..BodySettings::default() }).expect("valid")
+}
+
+/// Part of the way from `from` to `to`, and metres beside it, of a place in the XY plane.
+fn along(from: Vec3, to: Vec3, place: DVec3) -> [f64; 2] {
+    let way = (to - from).as_dvec3();
+    let off = place - from.as_dvec3();
+    [off.dot(way) / way.length_squared(), way.cross(off).z / way.length()]
+}
+
+/// A thousand random strokes through grids and meshes: each polygon that a stroke passes right through ends on it to 1 mm. All that is
+/// drawn is a surface, and area, mass and momentum stay.
+#[test]
+fn a_thousand_strokes_end_on_the_blade_and_lose_nothing() {
+    let mut dice = Dice(7);
+    let mut farthest = 0.0_f64;
+    for (columns, rows, is_mesh, strokes) in
+        [(40, 33, false, 300), (9, 7, false, 100), (33, 40, true, 300), (12, 12, true, 200), (3, 4, false, 100)]
+    {
+        let mut done = 0;
+        while done < strokes {
+            let mut whole = sheet(columns, rows, is_mesh);
+            for i in 0..whole.particles.len() {
+                let (place, spin) = (whole.particles.position(i), Vec3::new(0.3, 1.0, -0.4));
+                whole.particles.set_velocity(i, Vec3::X + spin.cross(place));
+            }
+            let mut bodies = vec![whole];
+            let (area_before, before) = (area(&bodies), mass_and_momentum(&bodies));
+            // Ten strokes across each other in each sheet.
+            for _ in 0..10 {
+                let mut place = || Vec3::new(dice.about(0.7), dice.about(0.7), 0.0);
+                let (from, to) = (place(), place());
+                let mut pieces = Vec::new();
+                for body in &mut bodies {
+                    let torn = cut(body, from, to);
+                    pieces.extend(torn.into_iter().flat_map(|torn| torn.pieces).map(|piece| piece.body));
+                }
+                bodies.append(&mut pieces);
+                done += 1;
+                for (face, polygon) in bodies.iter().flat_map(polygons_in_world) {
+                    let _ = face;
+                    let seen: Vec<[f64; 2]> = polygon.iter().map(|&place| along(from, to, place)).collect();
+                    // Where the outline crosses the line of the stroke.
+                    let crossed: Vec<f64> = (0..seen.len())
+                        .filter_map(|i| {
+                            let ([p, a], [q, b]) = (seen[i], seen[(i + 1) % seen.len()]);
+                            (a * b < 0.0).then(|| p + (q - p) * a / (a - b))
+                        })
+                        .collect();
+                    let is_through = crossed.len() == 2 && crossed.iter().all(|&part| (0.0..=1.0).contains(&part));
+                    if is_through {
+                        let beside = |sign: f64| seen.iter().map(|seen| sign * seen[1]).fold(0.0, f64::max);
+                        farthest = farthest.max(beside(1.0).min(beside(-1.0)));
+                    }
+                }
+            }
+            bodies.iter().for_each(assert_manifold);
+            let off = area(&bodies) / area_before - 1.0;
+            assert!(off.abs() < 1e-4, "area off by {off}");
+            let after = mass_and_momentum(&bodies);
+            let size = before.1.length();
+            assert!((after.0 - before.0).abs() < 1e-5 * before.0, "{} kg, before {} kg", after.0, before.0);
+            assert!((after.1 - before.1).length() < 1e-5 * size, "{} Ns, before {} Ns", after.1, before.1);
+            assert!((after.2 - before.2).length() < 1e-5 * size, "{} Nms, before {} Nms", after.2, before.2);
+            let mut island = Island { bodies, ..Island::default() };
+            run(&mut island, &gravity(FRAME), 0.1);
+        }
+    }
+    println!("law: cut edges {:.2} mm off the stroke at most", farthest * 1e3);
+    assert!(farthest < 1e-3, "{farthest} m off the stroke");
+}
+
+fn polygons_in_world(body: &Body) -> Vec<([u32; 3], Vec<DVec3>)> {
+    let to_world = |(face, polygon): ([u32; 3], Vec<Vec3>)| {
+        let places = polygon.iter().map(|&point| place(face, point, |i| body.particles.position(i)));
+        (face, places.collect())
+    };
+    polygons(body).into_iter().map(to_world).collect()
+}
+
+/// Mass in kg, momentum and angular momentum of all.
+pub fn mass_and_momentum(bodies: &[Body]) -> (f64, DVec3, DVec3) {
+    let sum = |of: fn(&drape_solver::Particles) -> DVec3| bodies.iter().map(|b| of(&b.particles)).sum();
+    let mass = bodies.iter().map(|body| measure::mass(&body.particles)).sum();
+    (mass, sum(measure::momentum), sum(measure::angular_momentum))
+}
+
+/// The greatest distance from the line `y = height` of what is drawn on the wrong side of it, in metres.
+fn across_level(bodies: &[Body], height: f64) -> f64 {
+    let beside = |polygon: &[DVec3], sign: f64| {
+        polygon.iter().map(|place| sign * (place.y - height)).fold(0.0, f64::max)
+    };
+    let all = bodies.iter().flat_map(polygons_in_world);
+    all.map(|(_, polygon)| beside(&polygon, 1.0).min(beside(&polygon, -1.0))).fold(0.0, f64::max)
+}
+
+/// A knife that takes many steps through a sheet, each much smaller than a face, cuts as one that takes a single step. Each of its strokes
+/// ends inside a face, where the next one goes on.
+#[test]
+fn a_slow_knife_cuts_like_a_fast_one() {
+    for (is_mesh, steps) in [(false, 1), (false, 7), (false, 300), (true, 300)] {
+        let mut body = sheet(20, 17, is_mesh);
+        let mut pieces = Vec::new();
+        for i in 0..steps {
+            let x = |i: i32| -0.7 + 1.4 * i as f32 / steps as f32;
+            let [from, to] = [i, i + 1].map(|i| Vec3::new(x(i), 0.013, 0.0));
+            pieces.extend(cut(&mut body, from, to).into_iter().flat_map(|torn| torn.pieces));
+        }
+        assert_eq!(pieces.len(), 1, "in {steps} steps");
+        let bodies = [body, pieces.remove(0).body];
+        bodies.iter().for_each(assert_manifold);
+        let off = across_level(&bodies, 0.013);
+        assert!(off < 1e-3, "{off} m off the stroke");
+        assert!((area(&bodies) - 1.0).abs() < 1e-4);
+    }
+}
+
+/// Three slits through one point, in one cut: six petals that only hang together at their outer ends.
+#[test]
+fn slits_that_cross_in_a_face_open_to_their_middle() {
+    let mut body = sheet(12, 12, false);
+    let centre = Vec3::new(0.02, -0.015, 0.0);
+    let slits = [0.3_f32, 1.4, 2.5].map(|angle| {
+        let way = Vec3::new(angle.cos(), angle.sin(), 0.0) * 0.3;
+        blade(centre - way, centre + way)
+    });
+    body.cut(slits.as_flattened()).expect("can be cut").expect("opens");
+    assert_manifold(&body);
+    let near = polygons(&body).into_iter().filter(|(face, polygon)| {
+        let places = polygon.iter().map(|&point| place(*face, point, |i| body.particles.position(i)));
+        let (mut least, mut sum) = (f64::MAX, DVec3::ZERO);
+        for place in places {
+            least = least.min(place.distance(centre.as_dvec3()));
+            sum += place;
+        }
+        least < 1e-3 && sum.is_finite()
+    });
+    let petals: Vec<[u32; 3]> = near.map(|(face, _)| face).collect();
+    assert_eq!(petals.len(), 6, "parts at the middle");
+    for (i, petal) in petals.iter().enumerate() {
+        assert!(petals[i + 1..].iter().all(|other| petal != other), "each moves by itself");
+    }
+}
+
+/// Two strokes closer together than the rows leave a strip between them: it has its area, its mass and its place, and falls.
+#[test]
+fn a_strip_narrower_than_a_face_is_cloth() {
+    let whole = sheet(20, 20, false);
+    let mass = mass_and_momentum(core::slice::from_ref(&whole)).0;
+    let mut bodies = vec![whole];
+    for height in [0.005, 0.025] {
+        let mut pieces = Vec::new();
+        for body in &mut bodies {
+            let torn = cut(body, Vec3::new(-2.0, height, 0.0), Vec3::new(2.0, height, 0.0));
+            pieces.extend(torn.into_iter().flat_map(|torn| torn.pieces).map(|piece| piece.body));
+        }
+        bodies.append(&mut pieces);
+    }
+    assert_eq!(bodies.len(), 3);
+    bodies.sort_by(|p, q| area(core::slice::from_ref(p)).total_cmp(&area(core::slice::from_ref(q))));
+    let strip = core::slice::from_ref(&bodies[0]);
+    assert!((area(strip) - 0.02).abs() < 1e-5, "{}", area(strip));
+    let own = mass_and_momentum(strip).0 / mass;
+    assert!((own - 0.02).abs() < 0.01, "{own} of the mass");
+    let mut island = Island { bodies, ..Island::default() };
+    run(&mut island, &gravity(FRAME), 0.5);
+    let stretch = measure::stretch(&island.bodies[0].particles, &island.bodies[0].topology).max;
+    assert!(stretch < 1e-3, "it falls freely, and is stretched by {stretch}");
+}
+
+/// Cloth that touches itself does not cross itself where it is cut, as both sides have the faces of the cut. The sides of a slit stay
+/// still; those of two pieces come apart by their thickness.
+#[test]
+fn the_sides_of_a_cut_do_not_cross() {
+    for (columns, is_mesh) in [(20, false), (15, true)] {
+        let mut body = sheet(columns, 18, is_mesh);
+        (body.settings.self_contact, body.settings.thickness) = (SelfContact::On, 4e-3);
+        for (from, to, count, most) in [
+            (Vec3::new(0.111, 0.3, 0.0), Vec3::new(0.12, -0.3, 0.0), 1, 0.01),
+            (Vec3::new(-0.7, 0.013, 0.0), Vec3::new(0.7, 0.04, 0.0), 2, 0.6),
+        ] {
+            let torn = cut(&mut body, from, to).expect("opens");
+            let mut bodies = vec![body.clone()];
+            bodies.extend(torn.pieces.into_iter().map(|piece| piece.body));
+            assert_eq!(bodies.len(), count);
+            let mut island = Island { bodies, ..Island::default() };
+            let mut counter = CrossingCounter::of(island.bodies.iter().map(|body| &*body.topology));
+            assert_eq!(counter.count(&places(&island)), 0);
+            run(&mut island, &weightless(FRAME), 0.5);
+            let fastest = island.bodies.iter().flat_map(|body| body.particles.velocities());
+            let fastest = fastest.map(Vec3::length).fold(0.0, f32::max);
+            println!("law: the sides of a cut move at {fastest} m/s");
+            assert!(fastest < most, "{fastest} m/s");
+        }
+    }
+}
+
+fn places(island: &Island) -> Vec<DVec3> {
+    let all = island.bodies.iter().flat_map(|body| body.particles.positions());
+    all.map(Vec3::as_dvec3).collect()
+}
+
+/// A curtain that is cut just below the row of its pins falls: the copies of pins that carry what is cut off are free. What hangs on keeps
+/// its pins, on both sides where the blade goes through them.
+#[test]
+fn what_is_cut_off_below_the_pins_falls() {
+    let curtain = ClothBuilder::new(1.0, 1.0, 12, 12)
+        .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
+        .pin_edge(Edge::Top)
+        .build(BodySettings { drag: 0.0, ..BodySettings::default() })
+        .expect("valid");
+    let mut below = curtain.clone();
+    let torn = cut(&mut below, Vec3::new(-2.0, 0.46, 0.0), Vec3::new(2.0, 0.46, 0.0)).expect("cut through");
+    let mut bodies = vec![below];
+    bodies.extend(torn.pieces.into_iter().map(|piece| piece.body));
+    let pins = |body: &Body| (0..body.particles.len()).filter(|&i| body.particles.is_pinned(i)).count();
+    let mut count: Vec<usize> = bodies.iter().map(pins).collect();
+    count.sort_unstable();
+    assert_eq!(count, [0, 12]);
+    let mut island = Island { bodies, ..Island::default() };
+    run(&mut island, &gravity(FRAME), 0.5);
+    let fallen = island.bodies.iter().find(|body| pins(body) == 0).expect("one without pins");
+    assert!(fallen.particles.positions().all(|place| place.y < 0.5 - 1.0), "it hangs");
+
+    // Through two of the pins.
+    let [left, right] = [4, 7].map(|pin| curtain.particles.position(pin));
+    let mut bodies = vec![curtain];
+    for pin in [left, right] {
+        let down = Vec3::NEG_Y * 2.0;
+        let torn = bodies.iter_mut().filter_map(|body| cut(body, pin - down, pin + down));
+        let pieces: Vec<Body> = torn.flat_map(|torn| torn.pieces).map(|piece| piece.body).collect();
+        bodies.extend(pieces);
+    }
+    let mut count: Vec<usize> = bodies.iter().map(pins).collect();
+    count.sort_unstable();
+    assert_eq!(count, [4, 5, 5], "of 12 pins, two on both sides");
+}
