@@ -73,7 +73,8 @@ impl DrawnTriangles {
         particles: [u32; 3],
         count: usize,
     ) {
-        let places = face.map(|corner| particles.iter().position(|&other| other == corner).unwrap_or_default());
+        let places =
+            face.map(|corner| particles.iter().position(|&other| other == corner).unwrap_or_default());
         let vertices = places.map(|place| triangle[place]);
         let corners: Vec<u32> =
             part.corners.iter().map(|&weights| self.number(CutVertex { vertices, weights }, count)).collect();
@@ -88,8 +89,10 @@ impl DrawnTriangles {
     /// The number of a vertex: that of a corner of the triangle, or one behind all `count` vertices of the body.
     fn number(&mut self, vertex: CutVertex, count: usize) -> u32 {
         let weighted = vertex.vertices.into_iter().zip(vertex.weights.to_array());
-        let mut key: Vec<(u32, u32)> =
-            weighted.filter(|&(_, weight)| weight != 0.0).map(|(of, weight)| (of, weight.to_bits())).collect();
+        let mut key: Vec<(u32, u32)> = weighted
+            .filter(|&(_, weight)| weight != 0.0)
+            .map(|(of, weight)| (of, weight.to_bits()))
+            .collect();
         if let [(corner, _)] = key[..] {
             return corner;
         }

@@ -34,10 +34,9 @@ pub(crate) fn tear_meshes(
                 let particle = |vertex: u32| map.particles[vertex as usize].unwrap_or_default();
                 (&**origins, DrawnTriangles::new(&sticks.0, map.triangles(), origins.len(), particle))
             }
-            None => (
-                &**origins,
-                DrawnTriangles::new(&sticks.0, sticks.faces(), origins.len(), |vertex| vertex),
-            ),
+            None => {
+                (&**origins, DrawnTriangles::new(&sticks.0, sticks.faces(), origins.len(), |vertex| vertex))
+            }
         };
         let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, &drawn));
         let cut = drawn.cut.len();

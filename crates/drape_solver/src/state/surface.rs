@@ -8,6 +8,7 @@
 use glam::Vec3;
 
 use crate::simd::columns::LANES;
+use crate::state::face_part::FacePart;
 use crate::state::star::{EDGES, FACES, NONE, Star};
 use crate::state::surface_leaf::SurfaceLeaves;
 use crate::state::topology::Topology;
@@ -161,14 +162,19 @@ fn stars(topology: &Topology) -> Vec<Star> {
     of.into_iter().flatten().collect()
 }
 
-/// Tells by index whether a particle touches others: not if it only carries what others touch for it.
+/// Tells by index whether a particle touches others: not if its place belongs to none of its faces, of which it only carries parts.
 fn points(topology: &Topology) -> impl Fn(usize) -> bool {
-    let mut carries_only = vec![false; topology.particle_count()];
-    if !topology.parts.is_empty() {
-        topology.faces.iter().flatten().for_each(|&corner| carries_only[corner as usize] = true);
-        topology.contact_faces().flatten().for_each(|corner| carries_only[corner as usize] = false);
+    let mut is_virtual = vec![false; topology.particle_count()];
+    let corners = |part: &FacePart| topology.faces[part.face as usize];
+    topology.parts.iter().flat_map(corners).for_each(|corner| is_virtual[corner as usize] = true);
+    for part in &topology.parts {
+        let reached = corners(part).into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]);
+        reached
+            .filter(|(_, place)| part.corners.contains(place))
+            .for_each(|(corner, _)| is_virtual[corner as usize] = false);
     }
-    move |index| !carries_only[index]
+    topology.contact_faces().flatten().for_each(|corner| is_virtual[corner as usize] = false);
+    move |index| !is_virtual[index]
 }
 
 /// The first of a particle's stars that has room, or a new one.

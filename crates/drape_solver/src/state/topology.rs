@@ -185,6 +185,9 @@ impl EmbeddedPoint {
     }
 }
 
+/// The part of a face's area that is a whole face, but for rounding.
+const WHOLE: f32 = 0.9999;
+
 /// Six times the volume of four points that count as lying in a plane, in parts of the cube of their greatest distance.
 const FLAT: f64 = 1e-6;
 
@@ -409,15 +412,15 @@ impl Topology {
         &self.parts
     }
 
-    /// The faces by which the body touches itself and other bodies: those of which it has the greater part. So the two sides of a cut
-    /// do not lie across each other.
+    /// The faces by which the body touches itself and other bodies: those that are whole. The two sides of a cut, which both have the
+    /// faces of the cut, do not lie across each other.
     pub(crate) fn contact_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         let mut parts = &self.parts[..];
         let faces = (0..).zip(&self.faces).filter(move |&(face, _)| {
             let own = parts.iter().take_while(|part| part.face == face).count();
             let (own, others) = parts.split_at(own);
             parts = others;
-            own.is_empty() || own.iter().map(FacePart::share).sum::<f32>() > 0.5
+            own.is_empty() || own.iter().map(FacePart::share).sum::<f32>() > WHOLE
         });
         faces.map(|(_, &face)| face)
     }

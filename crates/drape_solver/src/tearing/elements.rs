@@ -128,6 +128,14 @@ impl Elements {
         Some(([corners[low], corners[high]], points.map(|point| point[high])))
     }
 
+    /// The ends of the edge of the face on which both points lie, that with the lower index first; none unless they lie on one.
+    pub fn edge_of(&self, points: [Vec3; 2], element: usize) -> Option<[Vec3; 2]> {
+        let ([low, _], _) = self.on_edge(element, points)?;
+        let beside = beside_edge(points)?;
+        let [a, b] = [(beside + 1) % 3, (beside + 2) % 3];
+        Some(if self.corners[element][a] == low { [WHOLE[a], WHOLE[b]] } else { [WHOLE[b], WHOLE[a]] })
+    }
+
     /// The part of the edge from `p` to `q` at which the element ends, as weights of the one with the higher index; none if it does not
     /// reach that edge.
     pub fn on_edge_of(&self, element: usize, p: u32, q: u32) -> Option<[f32; 2]> {

@@ -124,8 +124,9 @@ impl<'a> Split<'a> {
         let size = |group: &Vec<usize>| {
             group.iter().map(|&element| adjacency.size(element) * weight(element)).sum::<f32>()
         };
-        let reaches =
-            |group: &Vec<usize>| !has_faces || group.iter().any(|&element| elements.reaches(element, particle));
+        let reaches = |group: &Vec<usize>| {
+            !has_faces || group.iter().any(|&element| elements.reaches(element, particle))
+        };
         let total: f32 = groups.iter().map(size).sum();
         let equal = 1.0 / groups.len() as f32;
         let part = |group: &Vec<usize>| if total > 0.0 { size(group) / total } else { equal };
@@ -276,8 +277,11 @@ impl<'a> Split<'a> {
     pub fn inverse_mass_beside(&self, member: u32, inverse_mass: impl Fn(u32) -> f32) -> f32 {
         let own = self.adjacency.around(self.origins[member as usize]);
         let own = own.filter(|&element| self.corners[element].contains(&member));
-        let beside = own.flat_map(|element| self.adjacency.corners(element)).map(|&corner| inverse_mass(corner));
-        let (count, sum) = beside.filter(|&inverse| inverse > 0.0).fold((0.0, 0.0), |(n, sum), inverse| (n + 1.0, sum + inverse));
+        let beside =
+            own.flat_map(|element| self.adjacency.corners(element)).map(|&corner| inverse_mass(corner));
+        let (count, sum) = beside
+            .filter(|&inverse| inverse > 0.0)
+            .fold((0.0, 0.0), |(n, sum), inverse| (n + 1.0, sum + inverse));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 

@@ -48,7 +48,12 @@ struct Crossing {
 
 impl Crossing {
     /// A point of the outline; none if it lies on none of its sides.
-    fn on_outline(elements: &Elements, element: usize, weights: Vec3, at: impl Fn(u32) -> Vec3) -> Option<Self> {
+    fn on_outline(
+        elements: &Elements,
+        element: usize,
+        weights: Vec3,
+        at: impl Fn(u32) -> Vec3,
+    ) -> Option<Self> {
         let place = elements.place(element, weights, at);
         let polygon = elements.polygon(element);
         if let Some(corner) = polygon.iter().position(|&corner| corner == weights) {
@@ -66,7 +71,8 @@ impl Crossing {
     /// The edge of the face that it divides, and the weights of its ends, the lower index first.
     fn on_edge(&self, elements: &Elements, element: usize) -> Option<([u32; 2], [f32; 2])> {
         let from = elements.polygon(element)[self.corner];
-        let (edge, [_, high]) = elements.on_edge(element, [from, self.weights]).filter(|_| !self.is_corner)?;
+        let (edge, [_, high]) =
+            elements.on_edge(element, [from, self.weights]).filter(|_| !self.is_corner)?;
         let low = elements.corners[element].iter().position(|&corner| corner == edge[0])?;
         Some((edge, [self.weights[low], high]))
     }
@@ -178,26 +184,21 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
 
     /// Divides an element from one point of its outline to another.
     fn divide(&mut self, element: usize, ends: [Crossing; 2]) {
-        let [begin, end] = ends;
-        if begin.corner == end.corner && !begin.is_corner && !end.is_corner {
-            // It has left by the side at which it came in.
-            return;
-        }
         let Self { elements, rest, cracks, points, entries, .. } = self;
         let line = ends.map(|end| elements.place(element, end.weights, *rest).as_vec3());
         let arcs = arcs(elements.polygon(element), ends);
         let corners = elements.corners[element];
-        if arcs.iter().all(|arc| integral(arc).element_sum() > LEAST_SHARE) {
-            for end in ends {
-                if let Some((edge, weights)) = end.on_edge(elements, element) {
-                    cracks.crossed.insert(edge);
-                    points.add(edge, weights);
-                }
+        for end in ends {
+            if let Some((edge, weights)) = end.on_edge(elements, element) {
+                cracks.crossed.insert(edge);
+                points.add(edge, weights);
             }
-            entries.remove(&element);
+        }
+        entries.remove(&element);
+        if arcs.iter().all(|arc| integral(arc).element_sum() > LEAST_SHARE) {
             elements.divide(element, arcs);
         } else {
-            // It parts the element from the one beside it.
+            // It parts the element from the one beside it: it goes along a side, or has left by that at which it came in.
             let along = arcs.iter().filter(|arc| edge_of(arc).is_some());
             for side in along.flat_map(|arc| arc.windows(2)) {
                 cracks.add_side(elements.on_edge(element, [side[0], side[1]]));
@@ -228,7 +229,12 @@ fn farthest(crossings: &[Crossing]) -> [Crossing; 2] {
 
 impl Blade {
     /// The points at which the blade crosses the outline of an element: two if it passes through, one if it ends inside.
-    fn crossings(&self, elements: &Elements, element: usize, at: impl Fn(u32) -> Vec3 + Copy) -> Vec<Crossing> {
+    fn crossings(
+        &self,
+        elements: &Elements,
+        element: usize,
+        at: impl Fn(u32) -> Vec3 + Copy,
+    ) -> Vec<Crossing> {
         let polygon = elements.polygon(element);
         let place = |point: Vec3| elements.place(element, point, at);
         let touched: Vec<bool> = polygon.iter().map(|&corner| self.touches(place(corner))).collect();
@@ -240,13 +246,11 @@ impl Blade {
             if touched[corner] {
                 crossings.push(Crossing { corner, is_corner: true, weights: from, place: place(from) });
             } else if !touched[(corner + 1) % polygon.len()] {
-                let ends = match elements.on_edge(element, [from, to]) {
-                    // The same bits for both faces at an edge.
-                    Some((_, [a, b])) if b < a => [to, from],
-                    _ => [from, to],
-                };
-                if let Some(part) = self.crossing(ends.map(place)) {
-                    let weights = ends[0].lerp(ends[1], part);
+                // Along the whole edge, for the same bits in both faces.
+                let ends = elements.edge_of([from, to], element).unwrap_or([from, to]);
+                let Some(part) = self.crossing(ends.map(place)) else { continue };
+                let weights = ends[0].lerp(ends[1], part);
+                if (weights - from).dot(weights - to) < 0.0 {
                     crossings.push(Crossing { corner, is_corner: false, weights, place: place(weights) });
                 }
             }
@@ -303,7 +307,8 @@ fn above(triangle: &[DVec3; 3], place: DVec3) -> Option<(f64, bool)> {
 /// The weights of the corners of a triangle at the foot of a place.
 fn weights_at(&[p, q, r]: &[DVec3; 3], place: DVec3) -> DVec3 {
     let normal = (q - p).cross(r - p);
-    let weight = |from: DVec3, to: DVec3| (to - from).cross(place - from).dot(normal) / normal.length_squared();
+    let weight =
+        |from: DVec3, to: DVec3| (to - from).cross(place - from).dot(normal) / normal.length_squared();
     DVec3::new(weight(q, r), weight(r, p), weight(p, q))
 }
 
@@ -319,6 +324,11 @@ fn arcs(polygon: &[Vec3], ends: [Crossing; 2]) -> [Vec<Vec3>; 2] {
         }
     }
     let [from, to] = [places[0].min(places[1]), places[0].max(places[1])];
+    let start = polygon[ends[0].corner];
+    if ends[0].corner == ends[1].corner && ring[from].distance(start) > ring[to].distance(start) {
+        // Both are on one side, in the other order.
+        ring.swap(from, to);
+    }
     [ring[from..=to].to_vec(), [&ring[to..], &ring[..=from]].concat()]
 }
 
@@ -349,7 +359,8 @@ impl EdgePoints {
             }
             for low in 0..3 {
                 for high in (0..3).filter(|&high| corners[low] < corners[high]) {
-                    for &[of_low, of_high] in self.0.get(&[corners[low], corners[high]]).into_iter().flatten() {
+                    for &[of_low, of_high] in self.0.get(&[corners[low], corners[high]]).into_iter().flatten()
+                    {
                         let mut point = Vec3::ZERO;
                         (point[low], point[high]) = (of_low, of_high);
                         elements.insert(element, 3 - low - high, point);

@@ -25,7 +25,8 @@ pub fn polygons(body: &Body) -> Vec<([u32; 3], Vec<Vec3>)> {
 }
 
 fn corner(face: [u32; 3], weights: Vec3) -> Corner {
-    let mut corner: Corner = (0..3).filter(|&i| weights[i] != 0.0).map(|i| (face[i], weights[i].to_bits())).collect();
+    let mut corner: Corner =
+        (0..3).filter(|&i| weights[i] != 0.0).map(|i| (face[i], weights[i].to_bits())).collect();
     corner.sort_unstable();
     corner
 }
@@ -71,13 +72,16 @@ pub fn assert_manifold(body: &Body) {
     for (particle, polygons) in around {
         let sides_of = |number: usize| {
             let (face, polygon) = &all[number];
-            (0..polygon.len()).map(move |i| [polygon[i], polygon[(i + 1) % polygon.len()]].map(|point| corner(*face, point)))
+            (0..polygon.len()).map(move |i| {
+                [polygon[i], polygon[(i + 1) % polygon.len()]].map(|point| corner(*face, point))
+            })
         };
         let (mut reached, mut next) = (vec![polygons[0]], 0);
         while let Some(&number) = reached.get(next) {
             next += 1;
             for &other in &polygons {
-                let is_beside = sides_of(number).any(|[from, to]| sides_of(other).any(|side| side == [to.clone(), from.clone()]));
+                let is_beside = sides_of(number)
+                    .any(|[from, to]| sides_of(other).any(|side| side == [to.clone(), from.clone()]));
                 if is_beside && !reached.contains(&other) {
                     reached.push(other);
                 }
@@ -128,9 +132,13 @@ fn along(from: Vec3, to: Vec3, place: DVec3) -> [f64; 2] {
 fn a_thousand_strokes_end_on_the_blade_and_lose_nothing() {
     let mut dice = Dice(7);
     let mut farthest = 0.0_f64;
-    for (columns, rows, is_mesh, strokes) in
-        [(40, 33, false, 300), (9, 7, false, 100), (33, 40, true, 300), (12, 12, true, 200), (3, 4, false, 100)]
-    {
+    for (columns, rows, is_mesh, strokes) in [
+        (40, 33, false, 300),
+        (9, 7, false, 100),
+        (33, 40, true, 300),
+        (12, 12, true, 200),
+        (3, 4, false, 100),
+    ] {
         let mut done = 0;
         while done < strokes {
             let mut whole = sheet(columns, rows, is_mesh);
@@ -161,7 +169,8 @@ fn a_thousand_strokes_end_on_the_blade_and_lose_nothing() {
                             (a * b < 0.0).then(|| p + (q - p) * a / (a - b))
                         })
                         .collect();
-                    let is_through = crossed.len() == 2 && crossed.iter().all(|&part| (0.0..=1.0).contains(&part));
+                    let is_through =
+                        crossed.len() == 2 && crossed.iter().all(|&part| (0.0..=1.0).contains(&part));
                     if is_through {
                         let beside = |sign: f64| seen.iter().map(|seen| sign * seen[1]).fold(0.0, f64::max);
                         farthest = farthest.max(beside(1.0).min(beside(-1.0)));
@@ -229,6 +238,32 @@ fn a_slow_knife_cuts_like_a_fast_one() {
     }
 }
 
+/// A path with sharp turns inside faces takes out what it goes around: on sheets that wave, from rim to rim and as a loop.
+#[test]
+fn paths_with_turns_cut_out_what_they_go_around() {
+    let corners = [(-0.8, -0.21), (0.02, -0.21), (0.02, -0.8)];
+    let star = [(0.3, 0.02), (-0.1, 0.31), (-0.24, -0.13), (0.2, -0.3), (0.06, -0.02), (0.3, 0.02)];
+    for (path, expected, slack) in [(&corners[..], 0.52 * 0.29, 0.01), (&star, 0.1508, 0.01)] {
+        for is_mesh in [false, true] {
+            let mut body = sheet(20, 17, is_mesh);
+            for i in 0..body.particles.len() {
+                let place = body.particles.position(i);
+                body.particles.set_position(i, place.with_z(0.05 * (9.0 * place.x + 5.0 * place.y).sin()));
+            }
+            let path: Vec<Vec3> = path.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect();
+            let strokes: Vec<[Vec3; 3]> = path.windows(2).flat_map(|ends| blade(ends[0], ends[1])).collect();
+            let torn = body.cut(&strokes).expect("can be cut").expect("opens");
+            assert_eq!(torn.pieces.len(), 1);
+            let mut bodies = vec![body];
+            bodies.extend(torn.pieces.into_iter().map(|piece| piece.body));
+            bodies.iter().for_each(assert_manifold);
+            let own = bodies.iter().map(|body| area(core::slice::from_ref(body))).fold(f64::MAX, f64::min);
+            assert!((own - expected).abs() < slack, "{own} m^2 were cut out, not {expected} m^2");
+            assert!((area(&bodies) - 1.0).abs() < 1e-4);
+        }
+    }
+}
+
 /// Three slits through one point, in one cut: six petals that only hang together at their outer ends.
 #[test]
 fn slits_that_cross_in_a_face_open_to_their_middle() {
@@ -283,7 +318,7 @@ fn a_strip_narrower_than_a_face_is_cloth() {
 }
 
 /// Cloth that touches itself does not cross itself where it is cut, as both sides have the faces of the cut. The sides of a slit stay
-/// still; those of two pieces come apart by their thickness.
+/// still, those of two pieces nearly so.
 #[test]
 fn the_sides_of_a_cut_do_not_cross() {
     for (columns, is_mesh) in [(20, false), (15, true)] {
@@ -291,7 +326,7 @@ fn the_sides_of_a_cut_do_not_cross() {
         (body.settings.self_contact, body.settings.thickness) = (SelfContact::On, 4e-3);
         for (from, to, count, most) in [
             (Vec3::new(0.111, 0.3, 0.0), Vec3::new(0.12, -0.3, 0.0), 1, 0.01),
-            (Vec3::new(-0.7, 0.013, 0.0), Vec3::new(0.7, 0.04, 0.0), 2, 0.6),
+            (Vec3::new(-0.7, 0.013, 0.0), Vec3::new(0.7, 0.04, 0.0), 2, 0.1),
         ] {
             let torn = cut(&mut body, from, to).expect("opens");
             let mut bodies = vec![body.clone()];
