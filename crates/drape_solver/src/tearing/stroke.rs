@@ -93,10 +93,11 @@ impl<'a> Stroke<'a> {
         rest: impl Fn(u32) -> Vec3 + Copy,
         cracks: &mut Cracks,
     ) {
-        let (points, entries, reach) = (EdgePoints::default(), BTreeMap::new(), f64::from(self.reach));
-        let mut cut = Cut { elements, at, rest, cracks, points, entries, reach };
+        let (points, entries) = (EdgePoints::default(), BTreeMap::new());
+        let [snap, reach] = [self.snap, self.reach].map(f64::from);
+        let mut cut = Cut { elements, at, rest, cracks, points, entries, snap, reach };
         for &triangle in self.triangles {
-            let blade = Blade { corners: triangle.map(Vec3::as_dvec3), snap: f64::from(self.snap) };
+            let blade = Blade { corners: triangle.map(Vec3::as_dvec3), snap };
             let (low, high) = bounds(triangle);
             let (low, high) = (low - self.snap, high + self.snap);
             for element in 0..cut.elements.len() {
@@ -121,7 +122,8 @@ struct Cut<'a, At, Rest> {
     points: EdgePoints,
     /// Where it has come into elements that it has not left.
     entries: BTreeMap<usize, Entry>,
-    /// Metres within which it goes on where the last one has ended.
+    /// Metres within which it goes through a corner, and goes on where the last one has ended.
+    snap: f64,
     reach: f64,
 }
 
@@ -165,11 +167,17 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
             let ends = last.map(|last| [last.from, entry.from].map(|from| self.crossing_at(element, from)));
             if let Some([Some(begin), Some(end)]) = ends {
                 self.divide(element, [begin, end]);
-            } else {
+            } else if !self.is_at_corner(element, &entry) {
                 self.elements.enter(element, entry);
                 self.cracks.are_entered = true;
             }
         }
+    }
+
+    /// True if the blade has got no farther than to a corner of an element.
+    fn is_at_corner(&self, element: usize, entry: &Entry) -> bool {
+        let is_corner = self.elements.polygon(element).contains(&entry.from);
+        is_corner && self.distance(element, entry.from, entry.tip) <= self.snap
     }
 
     /// Metres between two points of an element.

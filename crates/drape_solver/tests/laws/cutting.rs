@@ -238,6 +238,17 @@ fn a_slow_knife_cuts_like_a_fast_one() {
     }
 }
 
+/// A blade that goes along a row of particles, or nearly so, parts whole faces: no slivers are left along it.
+#[test]
+fn a_blade_through_corners_divides_no_face() {
+    for off in [0.0, 1e-4, -3e-4] {
+        let mut body = sheet(21, 21, false);
+        let torn = cut(&mut body, Vec3::new(-0.8, off, 0.0), Vec3::new(0.8, -off, 0.0)).expect("opens");
+        assert_eq!((body.topology.face_parts().len(), torn.pieces.len()), (0, 1), "at {off}");
+        assert_eq!(body.particles.len() + torn.pieces[0].body.particles.len(), 22 * 21);
+    }
+}
+
 /// A path with sharp turns inside faces takes out what it goes around: on sheets that wave, from rim to rim and as a loop.
 #[test]
 fn paths_with_turns_cut_out_what_they_go_around() {
