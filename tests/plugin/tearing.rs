@@ -5,6 +5,7 @@ use bevy_drape::attach::Grab;
 use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::ray_cast::cast_ray;
 use bevy_drape::tear::{BodySplit, CutCloth, StickTorn};
 use drape_solver::state::measure;
 
@@ -152,6 +153,28 @@ fn a_cannon_ball_tears_what_is_tearable() {
             app.world_mut().query::<&Sticks>().iter(app.world()).map(|sticks| sticks.faces().len()).sum();
         assert!(faces <= 2 * 32 * 32 && (vanished > 0 || faces == 2 * 32 * 32));
     }
+}
+
+/// A ray meets what is drawn: close to a cut, the side on which it comes, and nothing in a gap.
+#[test]
+fn rays_end_at_the_edges_of_cuts() {
+    let mut app = tearing_app();
+    let curtain = app.world_mut().spawn((curtain(), dragless())).id();
+    step(&mut app, 1);
+    app.world_mut().write_message(level(0.05));
+    step(&mut app, 1);
+    let piece = app.world().resource::<Told>().split[0].piece.expect("large enough");
+    let hit = |app: &App, entity: Entity, y: f32| {
+        let ray = Ray3d::new(Vec3::new(0.06, y, -1.0), Dir3::Z);
+        let (particles, sticks) = (get::<Particles>(app, entity), get::<Sticks>(app, entity));
+        cast_ray(ray, 2.0, particles, sticks, 0.0).is_some()
+    };
+    for (y, expected) in [(0.055, [true, false]), (0.045, [false, true])] {
+        assert_eq!([curtain, piece].map(|entity| hit(&app, entity, y)), expected, "at {y}");
+    }
+    run(&mut app, 0.3);
+    assert_eq!([0.055, 0.045, 0.0].map(|y| hit(&app, piece, y)), [false; 3], "it has fallen");
+    assert_eq!([0.055, 0.045, 0.0].map(|y| hit(&app, curtain, y)), [true, false, false]);
 }
 
 #[test]

@@ -53,8 +53,10 @@ pub(crate) fn first_hit(
             note(on_link([a, b].map(place)), [a, b, b]);
         }
     } else {
-        for &face in topology.faces() {
-            note(on_face(face.map(place)), face);
+        for (face, weights) in topology.triangles() {
+            let [a, b, c] = face.map(place);
+            let corner = |Vec3 { x, y, z }: Vec3| a * x + b * y + c * z;
+            note(on_face(weights.map(corner)), face);
         }
     }
     let (SurfaceHit { distance, position, normal }, corners) = first?;

@@ -412,17 +412,35 @@ impl Topology {
         &self.parts
     }
 
+    /// The triangles of the surface that is left: the particles of a face, and the weights of each of them at the triangle's three
+    /// corners. A whole face is one triangle, a [part](Self::face_parts) as many as it needs.
+    pub fn triangles(&self) -> impl Iterator<Item = ([u32; 3], [Vec3; 3])> + '_ {
+        self.faces_with_parts().flat_map(|(face, parts)| {
+            let whole = parts.is_empty().then_some([Vec3::X, Vec3::Y, Vec3::Z]);
+            let of_parts = parts
+                .iter()
+                .flat_map(|part| part.triangles().map(|corners| corners.map(|corner| part.corners[corner])));
+            whole.into_iter().chain(of_parts).map(move |weights| (face, weights))
+        })
+    }
+
     /// The faces by which the body touches itself and other bodies: those that are whole. The two sides of a cut, which both have the
     /// faces of the cut, do not lie across each other.
     pub(crate) fn contact_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let mut parts = &self.parts[..];
-        let faces = (0..).zip(&self.faces).filter(move |&(face, _)| {
-            let own = parts.iter().take_while(|part| part.face == face).count();
-            let (own, others) = parts.split_at(own);
-            parts = others;
-            own.is_empty() || own.iter().map(FacePart::share).sum::<f32>() > WHOLE
-        });
-        faces.map(|(_, &face)| face)
+        let is_whole =
+            |parts: &[FacePart]| parts.is_empty() || parts.iter().map(FacePart::share).sum::<f32>() > WHOLE;
+        self.faces_with_parts().filter(move |(_, parts)| is_whole(parts)).map(|(face, _)| face)
+    }
+
+    /// Each face and its parts, of which a whole one has none.
+    fn faces_with_parts(&self) -> impl Iterator<Item = ([u32; 3], &[FacePart])> {
+        let mut others = &self.parts[..];
+        (0..).zip(&self.faces).map(move |(number, &face)| {
+            let own = others.iter().take_while(|part| part.face == number).count();
+            let (parts, rest) = others.split_at(own);
+            others = rest;
+            (face, parts)
+        })
     }
 
     /// Points that touch obstacles besides the particles: the corners of rigid parts.

@@ -249,6 +249,29 @@ fn a_blade_through_corners_divides_no_face() {
     }
 }
 
+/// A stroke that only goes through one face opens nothing yet: its two parts move as one face. The next stroke opens both.
+#[test]
+fn a_stroke_through_one_face_opens_nothing_until_it_goes_on() {
+    let mut body = sheet(11, 11, false);
+    let (faces, particles) = (body.topology.faces().len(), body.particles.len());
+    let [start, middle, end] = [-0.035, 0.045, 0.255].map(|x| Vec3::new(x, 0.5 * x + 0.03, 0.0));
+    let torn = cut(&mut body, start, middle).expect("divides a face");
+    assert!(torn.pieces.is_empty());
+    assert_eq!((body.topology.faces().len(), body.particles.len()), (faces, particles));
+    assert!(body.topology.face_parts().iter().any(|part| part.share() < 0.9), "it is divided");
+    cut(&mut body, middle, end).expect("goes on");
+    assert!(body.particles.len() > particles);
+    assert_manifold(&body);
+    let off = polygons_in_world(&body).into_iter().map(|(_, polygon)| {
+        let seen = polygon.iter().map(|&place| along(start, end, place));
+        let inside: Vec<f64> =
+            seen.filter(|seen| (0.25..0.75).contains(&seen[0])).map(|seen| seen[1]).collect();
+        let beside = |sign: f64| inside.iter().map(|off| sign * off).fold(0.0, f64::max);
+        beside(1.0).min(beside(-1.0))
+    });
+    assert!(off.fold(0.0, f64::max) < 1e-3, "along the whole of it");
+}
+
 /// A path with sharp turns inside faces takes out what it goes around: on sheets that wave, from rim to rim and as a loop.
 #[test]
 fn paths_with_turns_cut_out_what_they_go_around() {
@@ -358,6 +381,41 @@ fn the_sides_of_a_cut_do_not_cross() {
 fn places(island: &Island) -> Vec<DVec3> {
     let all = island.bodies.iter().flat_map(|body| body.particles.positions());
     all.map(Vec3::as_dvec3).collect()
+}
+
+/// A slit releases the tethers that run through it to the pins above, and no others.
+#[test]
+fn a_slit_releases_the_tethers_that_it_crosses() {
+    let mut curtain = ClothBuilder::new(1.0, 1.0, 21, 21)
+        .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
+        .pin_edge(Edge::Top)
+        .build(BodySettings::default())
+        .expect("valid");
+    let held = |body: &Body, x: core::ops::Range<f32>| {
+        let tethers = body.topology.tethers();
+        let at = |i: u32| body.topology.rest_position(i as usize);
+        tethers.iter().filter(|&&(i, ..)| at(i).y < -0.06 && x.contains(&at(i).x)).count()
+    };
+    let before = [-0.17..0.17, 0.27..0.51].map(|x| held(&curtain, x));
+    assert!(before.iter().all(|&count| count > 20), "{before:?}");
+    cut(&mut curtain, Vec3::new(-0.23, 0.013, 0.0), Vec3::new(0.23, 0.013, 0.0)).expect("opens");
+    assert_eq!([-0.17..0.17, 0.27..0.51].map(|x| held(&curtain, x)), [0, before[1]]);
+}
+
+/// Each piece weighs what is drawn of it, wherever in a row of faces it ends.
+#[test]
+fn pieces_weigh_what_is_drawn_of_them() {
+    let mut off = 0.0_f64;
+    for tenth in 1..10 {
+        let mut body = sheet(11, 11, false);
+        let whole = mass_and_momentum(core::slice::from_ref(&body)).0;
+        let height = 0.01 * tenth as f32;
+        cut(&mut body, Vec3::new(-0.8, height, 0.0), Vec3::new(0.8, height, 0.0)).expect("cut through");
+        let largest = core::slice::from_ref(&body);
+        off = off.max((mass_and_momentum(largest).0 / whole - area(largest)).abs());
+    }
+    println!("law: pieces weigh {:.2} % of the sheet more or less than their area", off * 100.0);
+    assert!(off < 0.012, "{off} of the sheet");
 }
 
 /// A curtain that is cut just below the row of its pins falls: the copies of pins that carry what is cut off are free. What hangs on keeps
