@@ -135,7 +135,7 @@ impl<'a> Split<'a> {
         let share = |group: &Vec<usize>| if is_light { part(group).max(LEAST_SHARE) } else { part(group) };
         let all: f32 = if is_light { groups.iter().map(share).sum() } else { 1.0 };
         // The sort is stable: of equal groups, the one with the first face keeps the particle.
-        groups.sort_by(|p, q| reaches(q).cmp(&reaches(p)).then(size(q).total_cmp(&size(p))));
+        groups.sort_by(|p, q| size(q).total_cmp(&size(p)));
         shares[particle as usize] = share(&groups[0]) / all;
         is_real[particle as usize] = reaches(&groups[0]);
         for group in &groups[1..] {

@@ -245,11 +245,16 @@ impl Blade {
     ) -> Vec<Crossing> {
         let polygon = elements.polygon(element);
         let place = |point: Vec3| elements.place(element, point, at);
-        let touched: Vec<bool> = polygon.iter().map(|&corner| self.touches(place(corner))).collect();
-        let mut crossings = Vec::new();
-        if touched.iter().all(|&is_touched| is_touched) {
-            return crossings;
+        let heights = polygon.iter().map(|&corner| above(&self.corners, place(corner)));
+        let Some(heights) = heights.collect::<Option<Vec<_>>>() else { return Vec::new() };
+        let is_close = |height: f64| height.abs() <= self.snap;
+        if heights.iter().all(|&(height, _)| is_close(height)) {
+            // The blade lies in the element.
+            return Vec::new();
         }
+        let touched: Vec<bool> =
+            heights.iter().map(|&(height, is_inside)| is_inside && is_close(height)).collect();
+        let mut crossings = Vec::new();
         for (corner, [from, to]) in sides(polygon).enumerate() {
             if touched[corner] {
                 crossings.push(Crossing { corner, is_corner: true, weights: from, place: place(from) });
@@ -281,11 +286,6 @@ impl Blade {
             is_inside.then_some(weights)
         };
         [[p, q], [q, r], [r, p]].into_iter().filter_map(tip).collect()
-    }
-
-    /// True if the blade goes through a place, or closely past it.
-    fn touches(&self, place: DVec3) -> bool {
-        above(&self.corners, place).is_some_and(|(height, is_inside)| is_inside && height.abs() <= self.snap)
     }
 
     /// The part (0 to 1) of the way between two places at which it crosses the blade.

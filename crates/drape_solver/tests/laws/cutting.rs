@@ -418,6 +418,28 @@ fn pieces_weigh_what_is_drawn_of_them() {
     assert!(off < 0.012, "{off} of the sheet");
 }
 
+/// Blades without an area, beside the cloth, in its plane, or nowhere cut nothing.
+#[test]
+fn blades_that_are_none_cut_nothing() {
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z];
+    let blades = [
+        [Vec3::ZERO; 3],
+        [-x, Vec3::ZERO, x],
+        [z, z + x, z + y],
+        [-x - y, x - y, y],
+        [x.with_y(f32::NAN), y - z, z],
+        [x * f32::INFINITY, y - z, -x],
+    ];
+    for is_mesh in [false, true] {
+        let mut body = sheet(9, 9, is_mesh);
+        assert!(body.cut(&[]).expect("nothing to do").is_none());
+        for blade in blades {
+            assert!(body.cut(&[blade]).expect("nothing to do").is_none(), "{blade:?}");
+        }
+        assert!(body.topology.face_parts().is_empty());
+    }
+}
+
 /// A curtain that is cut just below the row of its pins falls: the copies of pins that carry what is cut off are free. What hangs on keeps
 /// its pins, on both sides where the blade goes through them.
 #[test]
@@ -438,6 +460,7 @@ fn what_is_cut_off_below_the_pins_falls() {
     let mut island = Island { bodies, ..Island::default() };
     run(&mut island, &gravity(FRAME), 0.5);
     let fallen = island.bodies.iter().find(|body| pins(body) == 0).expect("one without pins");
+    assert!(fallen.topology.tethers().is_empty(), "nothing holds it");
     assert!(fallen.particles.positions().all(|place| place.y < 0.5 - 1.0), "it hangs");
 
     // Through two of the pins.
