@@ -96,6 +96,32 @@ fn what_is_cut_off_is_a_clone_with_a_body_of_its_own_and_falls() {
     assert!(get::<Particles>(&app, curtain).position(0).y > 1.4);
 }
 
+/// What is cut off right below the pins has virtual copies of them, which nothing holds: the piece falls, and stays where it is when
+/// its transform moves.
+#[test]
+fn what_is_cut_off_right_below_the_pins_has_none() {
+    let mut app = tearing_app();
+    let curtain = app.world_mut().spawn((curtain(), dragless())).id();
+    step(&mut app, 2);
+    app.world_mut().write_message(level(0.44));
+    step(&mut app, 1);
+    let piece = app.world().resource::<Told>().split[0].piece.expect("large enough");
+    let [pinned, free] = [0, 1].map(|place| {
+        let of = |entity: Entity| {
+            let particles = get::<Particles>(&app, entity);
+            (0..particles.len()).any(|i| particles.is_pinned(i))
+        };
+        let mut both = [curtain, piece];
+        both.sort_by_key(|&entity| !of(entity));
+        both[place]
+    });
+    let before = centre(&app, free).y;
+    get_mut::<Transform>(&mut app, free).translation.y += 1.0;
+    run(&mut app, 0.2);
+    assert!(centre(&app, free).y < before, "it falls");
+    assert!(get::<Particles>(&app, pinned).positions().all(|place| place.y > 0.4));
+}
+
 #[test]
 fn only_the_body_that_is_named_is_cut() {
     let mut app = tearing_app();

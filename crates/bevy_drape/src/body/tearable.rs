@@ -22,10 +22,11 @@ use drape_solver::TearLimits;
 /// }
 /// ```
 ///
-/// A tear opens cloth along the edges of its faces, a cut along the blade: faces that it crosses are divided. Nothing is lost, and
-/// texture coordinates stay the same on both sides. Each piece that comes off is a new entity: a clone of the torn one, with the same material, settings and components,
-/// but with its own particles, sticks and mesh, and without a description such as [`Cloth`](crate::build::cloth::Cloth). The
-/// largest piece stays on the torn entity. Observe [`BodySplit`](crate::tear::messages::BodySplit) to remove components that a
+/// A tear opens cloth along the edges of its faces, a cut along the blade: faces that it crosses are divided. Nothing is lost,
+/// and texture coordinates stay the same on both sides. Each piece that comes off is a new entity: a clone of the torn one, with
+/// the same material, settings and components, but with its own particles, sticks and mesh, and without a description such as
+/// [`Cloth`](crate::build::cloth::Cloth). The largest piece stays on the torn entity. Observe
+/// [`BodySplit`](crate::tear::messages::BodySplit) to remove components that a
 /// piece should not have.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]

@@ -167,8 +167,9 @@ fn may_change(body: &DetailedItem) -> bool {
     let DetailedItem { particles, sticks, state, current, grab, .. } = body;
     let Some(cloth) = body.cloth else { return false };
     let [columns, rows] = cloth.particles_at(current.coarseness).to_array().map(u64::from);
-    // A torn cloth has other numbers of particles or faces.
-    let is_whole = particles.len() as u64 == columns * rows
+    // A torn cloth has other numbers of particles or faces, a cut one parts of faces.
+    let is_whole = sticks.face_parts().is_empty()
+        && particles.len() as u64 == columns * rows
         && sticks.faces().len() as u64 == 2 * columns.saturating_sub(1) * rows.saturating_sub(1);
     let is_held = grab.is_some_and(|grab| !grab.hands.is_empty()) || body.is_attached || body.is_tearable;
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));

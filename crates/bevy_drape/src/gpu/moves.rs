@@ -114,6 +114,7 @@ pub(crate) fn move_to_gpu(
             None if !is_known => {
                 "the GPU knows no bodies but Cloth, ClothMesh, Rope and SoftBall".to_string()
             }
+            None if !sticks.face_parts().is_empty() => "its faces were cut".to_string(),
             None if driven.iter().any(|driven| driven.driver == entity) => {
                 "a DrivenMesh follows it".to_string()
             }

@@ -118,7 +118,8 @@ pub(crate) fn write_cut(cut: &[CutVertex], positions: &mut [[f32; 3]], normals: 
     }
 }
 
-/// Gives the last vertices of a mesh, which are `cut`, texture coordinates, colours and whatever else is a number between those of others.
+/// Gives the last vertices of a mesh, which are `cut`, values between those of others in each attribute of two to four `f32`s, such as
+/// texture coordinates and colours. In others they keep those of the nearest vertex.
 pub(crate) fn blend_attributes(cut: &[CutVertex], mesh: &mut Mesh) {
     let Ok(attributes) = mesh.try_attributes_mut() else { return };
     for (_, values) in attributes {

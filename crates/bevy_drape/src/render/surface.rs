@@ -365,13 +365,14 @@ impl Surface {
         !self.is_settled
     }
 
-    /// The number of columns, if it is a whole grid: tears add particles, and pieces have fewer faces.
+    /// The number of columns, if it is a whole grid: tears add particles, pieces have fewer faces, and cuts leave parts of faces.
     fn columns(&self) -> Option<usize> {
         let [columns, rows] = self.layout.map(|count| count as usize);
         let squares = columns.saturating_sub(1) * rows.saturating_sub(1);
         let is_whole = self.topology.particle_count() == columns * rows
             && squares > 0
-            && self.topology.faces().len() == 2 * squares;
+            && self.topology.faces().len() == 2 * squares
+            && self.topology.face_parts().is_empty();
         is_whole.then_some(columns)
     }
 

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use drape_solver::world::extent::Extent;
-use drape_solver::{Body, Piece, Torn, TornStick};
+use drape_solver::{Body, Piece, Topology, Torn, TornStick};
 
 use crate::attach::animated_pose::AnimatedPose;
 use crate::attach::attachment::Attachment;
@@ -93,15 +93,16 @@ impl Tearing<'_, '_> {
             self.split.write(split.clone());
             self.splits.push(split);
         }
+        let own = real_origins(&body.topology, &origins);
         if let Ok(grab) = self.grabs.get(entity) {
-            let held = grab.on(&origins);
+            let held = grab.on(&own);
             match held {
                 Some(held) => drop(self.commands.entity(entity).insert(held)),
                 None => drop(self.commands.entity(entity).remove::<Grab>()),
             }
         }
         if let Ok((mut attachment, mut held)) = self.attached.get_mut(entity) {
-            *held = held.torn(state.order, &origins);
+            *held = held.torn(state.order, &own);
             attachment.clone_from(&held.made_of);
         }
         if let Ok(mut posed) = self.posed.get_mut(entity) {
@@ -111,7 +112,7 @@ impl Tearing<'_, '_> {
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
         state.scratch = default();
-        state.pins = pins_after(&state, &origins);
+        state.pins = pins_after(&state, &own);
         state.extent = Extent::of(&body.particles, &body.topology);
         particles.0 = body.particles;
         sticks.0 = body.topology;
@@ -120,20 +121,21 @@ impl Tearing<'_, '_> {
     /// Spawns the entity of a piece that has come off another.
     fn spawn(&mut self, from: Entity, state: &BodyState, piece: Body, origins: &[u32]) -> Entity {
         let mesh = self.torn_mesh(from, origins);
+        let own = real_origins(&piece.topology, origins);
         let state = BodyState {
             order: self.order.next(),
             anchor: state.anchor,
             rest: state.rest,
-            pins: pins_after(state, origins),
+            pins: pins_after(state, &own),
             extent: Extent::of(&piece.particles, &piece.topology),
             material: state.material,
             settings: state.settings,
             layers: state.layers,
             ..BodyState::default()
         };
-        let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
+        let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, &own));
         let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
-        let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(origins));
+        let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(&own));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -174,6 +176,14 @@ impl Tearing<'_, '_> {
             Err(_) => TornMesh { source: entity, origins: origins.to_vec() },
         }
     }
+}
+
+/// Returns the origins of a torn body's particles, or of those of a piece; no particle for virtual ones, which nothing holds.
+fn real_origins(topology: &Topology, origins: &[u32]) -> Vec<u32> {
+    let mut own = origins.to_vec();
+    let is_virtual = topology.virtual_particles();
+    own.iter_mut().zip(is_virtual).filter(|(_, is_virtual)| *is_virtual).for_each(|(own, _)| *own = u32::MAX);
+    own
 }
 
 /// Returns the pins of a torn body, or of a piece of it, whose particles have these origins.

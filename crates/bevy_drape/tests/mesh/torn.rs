@@ -91,3 +91,26 @@ fn a_piece_has_what_its_cloth_had() {
         assert!(farthest(&world_vertices(&app, entity)[..own.len()], &own) < 5e-3);
     }
 }
+
+/// A piece that has lost a row and got it back as virtual particles has as many particles and faces as the whole, in another order.
+#[test]
+fn a_piece_of_the_size_of_the_whole_has_its_own_normals() {
+    for is_level in [true, false] {
+        let mut app = app();
+        app.world_mut().spawn(Cloth::new(1.0, 1.0).with_particles(9, 9));
+        start(&mut app);
+        frame(&mut app, 1.0);
+        let edge = |along: f32| {
+            let place = if is_level { Vec3::new(along, 0.44, 0.0) } else { Vec3::new(-0.44, along, 0.0) };
+            [place - Vec3::Z, place + Vec3::Z]
+        };
+        app.world_mut().write_message(CutCloth::sweep(edge(-1.0), edge(1.0)));
+        frame(&mut app, 1.0);
+        let mut bodies = app.world_mut().query_filtered::<Entity, With<Particles>>();
+        let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
+        assert_eq!(bodies.len(), 2);
+        for entity in bodies {
+            assert!(normals_of(&app, entity).iter().all(|normal| normal.distance(Vec3::Z) < 0.1));
+        }
+    }
+}

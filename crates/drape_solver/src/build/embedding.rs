@@ -110,7 +110,7 @@ fn curve([p, q, r]: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> (Vec3, 
 
 impl Embedding {
     /// Embeds `points` on the faces of a body. Each point gets the barycentric coordinates of the nearest point on the nearest
-    /// triangle at rest, and keeps its offset along the normal. The normals of the corners make triangles round. Points and
+    /// whole triangle at rest, and keeps its offset along the normal. The normals of the corners make triangles round. Points and
     /// [rest positions](Topology::rest_position) have the same coordinates, in metres.
     ///
     /// # Errors
@@ -119,11 +119,13 @@ impl Embedding {
         let rest: Vec<Vec3> = (0..topology.particle_count()).map(|i| topology.rest_position(i)).collect();
         let mut normals = Vec::new();
         write_normals(topology, |i| rest[i], &mut normals);
-        let mesh = TriMesh::new(rest, topology.faces().to_vec());
+        // Both sides of a cut have the faces of the cut.
+        let faces: Vec<[u32; 3]> = topology.contact_faces().collect();
+        let mesh = TriMesh::new(rest, faces.clone());
         let mesh = mesh.map_err(|_| MeshError::NoFaces { vertices: topology.particle_count() })?;
         let on_face = |point: Vec3| {
             let (_, (face, _)) = mesh.project_local_point_and_get_location(point, false);
-            let particles = topology.faces()[face as usize];
+            let particles = faces[face as usize];
             let corners = particles.map(|corner| topology.rest_position(corner as usize));
             FaceWeights::new(particles, corners, particles.map(|corner| normals[corner as usize]), point)
         };

@@ -20,10 +20,19 @@ pub struct FacePart {
     pub face: u32,
     /// The corners of the part, in the sense of the face: each as the weights of the three particles of the face, which sum to 1.
     pub corners: Box<[Vec3]>,
-    pub(crate) entry: Option<Entry>,
+    pub(crate) marks: Marks,
 }
 
-/// The way of a blade that has ended inside a face, so that the next stroke can go on from there: points as weights of its particles.
+/// Cuts in a face that have not divided it, as points by the weights of its particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Marks {
+    /// Blades that have ended inside.
+    pub entries: Vec<Entry>,
+    /// Stretches of its edges at which it does not hang together with the face beside it.
+    pub open: Vec<[Vec3; 2]>,
+}
+
+/// The way of a blade that has ended inside a face, so that the next stroke can go on from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
     /// The point of the outline at which it came in.
@@ -54,8 +63,8 @@ pub(crate) fn integral(corners: &[Vec3]) -> Vec3 {
     rest.windows(2).map(of_triangle).sum()
 }
 
-/// The corner of a face that does not bound the edge on which both points lie; none unless they lie on one.
-pub(crate) fn beside_edge(points: [Vec3; 2]) -> Option<usize> {
+/// The corner of a face that does not bound the edge on which all `points` lie; none unless they lie on one.
+pub(crate) fn beside_edge(points: &[Vec3]) -> Option<usize> {
     (0..3).find(|&corner| points.iter().all(|point| point[corner] == 0.0))
 }
 

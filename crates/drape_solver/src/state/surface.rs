@@ -8,7 +8,6 @@
 use glam::Vec3;
 
 use crate::simd::columns::LANES;
-use crate::state::face_part::FacePart;
 use crate::state::star::{EDGES, FACES, NONE, Star};
 use crate::state::surface_leaf::SurfaceLeaves;
 use crate::state::topology::Topology;
@@ -132,7 +131,8 @@ fn lists(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> (Vec<u32>, Ve
 fn stars(topology: &Topology) -> Vec<Star> {
     let slot = |index: u32| topology.layout.slot(index as usize) as u32;
     let count = topology.particle_count();
-    let touches = points(topology);
+    let is_virtual = topology.virtual_particles();
+    let touches = |index: usize| is_virtual.get(index) != Some(&true);
     let star = |index: usize| Star::of(slot(index as u32), touches(index));
     let mut of: Vec<Vec<Star>> = (0..count).map(|index| vec![star(index)]).collect();
     for [a, b, c] in topology.contact_faces() {
@@ -160,21 +160,6 @@ fn stars(topology: &Topology) -> Vec<Star> {
         star.edge_count += 1;
     }
     of.into_iter().flatten().collect()
-}
-
-/// Tells by index whether a particle touches others: not if its place belongs to none of its faces, of which it only carries parts.
-fn points(topology: &Topology) -> impl Fn(usize) -> bool {
-    let mut is_virtual = vec![false; topology.particle_count()];
-    let corners = |part: &FacePart| topology.faces[part.face as usize];
-    topology.parts.iter().flat_map(corners).for_each(|corner| is_virtual[corner as usize] = true);
-    for part in &topology.parts {
-        let reached = corners(part).into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]);
-        reached
-            .filter(|(_, place)| part.corners.contains(place))
-            .for_each(|(corner, _)| is_virtual[corner as usize] = false);
-    }
-    topology.contact_faces().flatten().for_each(|corner| is_virtual[corner as usize] = false);
-    move |index| !is_virtual[index]
 }
 
 /// The first of a particle's stars that has room, or a new one.

@@ -407,7 +407,7 @@ impl Topology {
         &self.faces
     }
 
-    /// What blades have left of the faces that they have crossed, in order of the faces. The others are whole.
+    /// The parts of the faces that blades have crossed, in order of the faces. The others are whole.
     pub fn face_parts(&self) -> &[FacePart] {
         &self.parts
     }
@@ -422,6 +422,22 @@ impl Topology {
                 .flat_map(|part| part.triangles().map(|corners| corners.map(|corner| part.corners[corner])));
             whole.into_iter().chain(of_parts).map(move |weights| (face, weights))
         })
+    }
+
+    /// For each particle, true if it is virtual: a copy whose place belongs to none of its faces, which only carries their parts beyond a
+    /// cut. Empty if no face was cut.
+    pub fn virtual_particles(&self) -> Vec<bool> {
+        if self.parts.is_empty() {
+            return Vec::new();
+        }
+        let mut is_virtual = vec![false; self.particle_count()];
+        self.faces.iter().flatten().for_each(|&corner| is_virtual[corner as usize] = true);
+        for (face, weights) in self.triangles() {
+            for (corner, place) in face.into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+                is_virtual[corner as usize] &= !weights.contains(&place);
+            }
+        }
+        is_virtual
     }
 
     /// The faces by which the body touches itself and other bodies: those that are whole. The two sides of a cut, which both have the

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
 
-use crate::state::face_part::{Entry, FacePart, beside_edge, integral};
+use crate::state::face_part::{FacePart, Marks, beside_edge, integral};
 use crate::state::topology::Topology;
 
 /// The three corners of a whole face.
@@ -23,8 +23,8 @@ pub(crate) struct Elements {
     faces: Vec<u32>,
     /// The polygons of those that are no whole face.
     parts: Vec<Option<Box<[Vec3]>>>,
-    /// Where a blade has ended, in order of the elements.
-    entries: BTreeMap<usize, Entry>,
+    /// Cuts that have not divided their elements.
+    marks: BTreeMap<usize, Marks>,
 }
 
 impl Elements {
@@ -34,7 +34,7 @@ impl Elements {
             corners: topology.faces.clone(),
             faces: (0..count as u32).collect(),
             parts: vec![None; count],
-            entries: BTreeMap::new(),
+            marks: BTreeMap::new(),
         };
         for part in &topology.parts {
             let face = part.face as usize;
@@ -45,7 +45,7 @@ impl Elements {
                 }
                 Some(_) => elements.push(face, part.corners.clone()),
             };
-            elements.entries.extend(part.entry.map(|entry| (element, entry)));
+            elements.marks.insert(element, part.marks.clone());
         }
         elements
     }
@@ -77,28 +77,58 @@ impl Elements {
         self.parts[element].as_deref()
     }
 
-    /// An element as a part of face `face`; none if it is whole.
-    pub fn face_part(&self, element: usize, face: u32) -> Option<FacePart> {
-        let entry = self.entry(element);
-        let is_part = self.parts[element].is_some() || entry.is_some();
-        is_part.then(|| FacePart { face, corners: self.polygon(element).into(), entry })
+    /// An element as a part of face `face`, with those open stretches that `is_shared` by others; none if it is whole.
+    pub fn face_part(
+        &self,
+        element: usize,
+        face: u32,
+        is_shared: impl Fn([Vec3; 2]) -> bool,
+    ) -> Option<FacePart> {
+        let mut marks = self.marks.get(&element).cloned().unwrap_or_default();
+        marks.open.retain(|&side| is_shared(side));
+        let is_part = self.parts[element].is_some() || marks != Marks::default();
+        is_part.then(|| FacePart { face, corners: self.polygon(element).into(), marks })
     }
 
-    /// Where a blade has ended inside an element.
-    pub fn entry(&self, element: usize) -> Option<Entry> {
-        self.entries.get(&element).copied()
+    /// The open stretches of edges, by element.
+    pub fn open(&self) -> impl Iterator<Item = (usize, &[[Vec3; 2]])> {
+        self.marks.iter().map(|(&element, marks)| (element, &*marks.open))
     }
 
-    /// Notes where a blade has ended inside an element.
-    pub fn enter(&mut self, element: usize, entry: Entry) {
-        self.entries.insert(element, entry);
+    /// Cuts that have not divided an element.
+    pub fn marks(&mut self, element: usize) -> &mut Marks {
+        self.marks.entry(element).or_default()
     }
 
-    /// Divides an element.
-    pub fn divide(&mut self, element: usize, [kept, other]: [Vec<Vec3>; 2]) {
-        self.entries.remove(&element);
+    /// Divides an element, and returns the number of the other part. Both keep the marks of its edges.
+    pub fn divide(&mut self, element: usize, [kept, other]: [Vec<Vec3>; 2]) -> usize {
         self.parts[element] = Some(kept.into());
-        self.push(element, other.into());
+        let part = self.push(element, other.into());
+        let open = self.marks(element).open.clone();
+        self.marks(part).open = open;
+        part
+    }
+
+    /// True if two elements hang together at the edge from `p` to `q`: the same stretch of it bounds both, and is not open.
+    pub fn hang_together(&self, elements: [usize; 2], p: u32, q: u32) -> bool {
+        let [Some(a), Some(b)] = elements.map(|element| self.on_edge_of(element, p, q)) else { return false };
+        let [low, high] = [a[0].max(b[0]), a[1].min(b[1])];
+        let mut open = Vec::new();
+        for element in elements {
+            let marks = self.marks.get(&element).into_iter().flat_map(|marks| &marks.open);
+            let sides = marks.filter_map(|&side| self.on_edge(element, side));
+            let own = sides.filter(|(edge, _)| *edge == [p.min(q), p.max(q)]);
+            open.extend(own.map(|(_, [a, b])| [a.min(b), a.max(b)]));
+        }
+        open.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut reached = low;
+        for [from, to] in open {
+            if from > reached {
+                break;
+            }
+            reached = reached.max(to);
+        }
+        reached < high
     }
 
     /// Makes a point of the edge opposite to corner `beside` a corner of the element, if its outline runs through that point.
@@ -120,7 +150,7 @@ impl Elements {
     /// higher one; none unless they lie on one.
     pub fn on_edge(&self, element: usize, points: [Vec3; 2]) -> Option<([u32; 2], [f32; 2])> {
         let corners = self.corners[element];
-        let beside = beside_edge(points)?;
+        let beside = beside_edge(&points)?;
         let [mut low, mut high] = [(beside + 1) % 3, (beside + 2) % 3];
         if corners[low] > corners[high] {
             (low, high) = (high, low);
@@ -131,7 +161,7 @@ impl Elements {
     /// The ends of the edge of the face on which both points lie, that with the lower index first; none unless they lie on one.
     pub fn edge_of(&self, points: [Vec3; 2], element: usize) -> Option<[Vec3; 2]> {
         let ([low, _], _) = self.on_edge(element, points)?;
-        let beside = beside_edge(points)?;
+        let beside = beside_edge(&points)?;
         let [a, b] = [(beside + 1) % 3, (beside + 2) % 3];
         Some(if self.corners[element][a] == low { [WHOLE[a], WHOLE[b]] } else { [WHOLE[b], WHOLE[a]] })
     }
@@ -154,7 +184,7 @@ impl Elements {
         place.is_some_and(|place| self.polygon(element).contains(&WHOLE[place]))
     }
 
-    /// A particle's part in the area of an element: 1 for each corner of a whole face, and in all three parts of the share for a part.
+    /// The integral of a particle's weight over an element, in thirds of the face's area: 1 for a whole face.
     pub fn weight(&self, element: usize, particle: u32) -> f32 {
         let Some(polygon) = self.part(element) else { return 1.0 };
         let place = self.corners[element].iter().position(|&corner| corner == particle);
@@ -168,6 +198,13 @@ impl Elements {
         let weighted = corners.iter().filter(|&&(_, weight)| weight != 0.0);
         weighted.map(|&(particle, weight)| at(particle).as_dvec3() * f64::from(weight)).sum()
     }
+}
+
+/// The edge of a face with these `corners` on which both points lie, the lower index first; none unless they lie on one.
+pub(crate) fn edge_by(corners: [u32; 3], points: [Vec3; 2]) -> Option<[u32; 2]> {
+    let beside = beside_edge(&points)?;
+    let [a, b] = [corners[(beside + 1) % 3], corners[(beside + 2) % 3]];
+    Some([a.min(b), a.max(b)])
 }
 
 /// The sides of a polygon; side `i` begins at its corner `i`.

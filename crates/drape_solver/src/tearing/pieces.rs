@@ -55,7 +55,12 @@ pub(crate) fn part(
     let mut severed = Vec::new();
     let batches: Vec<Rejoined> =
         topology.batches.iter().map(|batch| Rejoined::new(&split, cracks, batch, &mut severed)).collect();
-    let severed = severed.into_iter().map(|i| body.torn_stick(i)).collect();
+    let severed: Vec<TornStick> = severed.into_iter().map(|i| body.torn_stick(i)).collect();
+    if split.origins.len() == body.particles.len() {
+        // Nothing opens yet: faces have parts and marks, and all else stays.
+        Arc::make_mut(&mut body.topology).parts = split.faces_of(Some).1;
+        return Ok(Some(Parted { origins: split.origins, pieces: Vec::new(), severed }));
+    }
     let members = members(&split, &batches);
     let crossing = TetherCrossing::new(&topology, cracks);
     let is_whole = members.len() == 1;
@@ -180,7 +185,7 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         particles.inverse_mass[to] = if is_freed {
             split.inverse_mass_beside(member, |particle| whole.inverse_mass(particle as usize)) / share
         } else {
-            whole.inverse_mass[from] / share.max(LEAST_SHARE)
+            whole.inverse_mass[from] / share
         };
         if !whole.force.is_empty() {
             particles.force.set(to, whole.force.get(from) * share);
@@ -199,6 +204,3 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
     particles.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
     particles
 }
-
-/// The least share of the mass that a copy gets: faces without an area would give it none.
-const LEAST_SHARE: f32 = 1e-3;

@@ -21,45 +21,26 @@ use glam::Vec3;
 use crate::build::adjacency::Adjacency;
 use crate::state::face_part::FacePart;
 use crate::state::topology::Topology;
-use crate::tearing::elements::Elements;
+use crate::tearing::elements::{Elements, edge_by};
 
 /// The edges and particles at which a body separates.
 #[derive(Default)]
 pub(crate) struct Cracks {
     /// Edges of faces, lower index first.
     pub edges: BTreeSet<[u32; 2]>,
-    /// Sides of elements along edges: from one weight of the end with the higher index to another.
-    pub sides: BTreeMap<[u32; 2], Vec<[f32; 2]>>,
     /// Edges that a blade crosses.
     pub crossed: BTreeSet<[u32; 2]>,
-    /// Particles at which links separate, and corners of divided faces.
+    /// Particles at which links separate, and around which faces may.
     pub particles: BTreeSet<u32>,
     /// The way of a blade through faces at rest, in metres.
     pub lines: Vec<[Vec3; 2]>,
-    /// True if a blade has ended inside a face.
-    pub are_entered: bool,
+    /// True if a face has new marks.
+    pub are_marked: bool,
 }
 
 impl Cracks {
     pub fn add_edge(&mut self, a: u32, b: u32) {
         self.edges.insert([a.min(b), a.max(b)]);
-    }
-
-    /// Adds a side of an element that lies along an edge.
-    pub fn add_side(&mut self, side: Option<([u32; 2], [f32; 2])>) {
-        let Some((edge, [a, b])) = side else { return };
-        let (side, known) = ([a.min(b), a.max(b)], self.sides.entry(edge).or_default());
-        if !known.contains(&side) {
-            known.push(side);
-        }
-    }
-
-    /// True if a part of an edge, between two weights of its end with the higher index, is whole.
-    fn leave(&self, a: u32, b: u32, [low, high]: [f32; 2]) -> bool {
-        let edge = [a.min(b), a.max(b)];
-        let sides = self.sides.get(&edge).into_iter().flatten();
-        let cracked: f32 = sides.map(|side| (side[1].min(high) - side[0].max(low)).max(0.0)).sum();
-        !self.edges.contains(&edge) && high - low > cracked
     }
 
     /// The particles at the cracks, in order.
@@ -106,7 +87,7 @@ impl<'a> Split<'a> {
         for particle in cracks.touched() {
             split.part(particle, cracks);
         }
-        (split.origins.len() > count || !cracks.lines.is_empty() || cracks.are_entered).then_some(split)
+        (split.origins.len() > count || !cracks.lines.is_empty() || cracks.are_marked).then_some(split)
     }
 
     /// Gives each group of faces around a particle a particle of its own. The largest group keeps the particle.
@@ -130,7 +111,7 @@ impl<'a> Split<'a> {
         let total: f32 = groups.iter().map(size).sum();
         let equal = 1.0 / groups.len() as f32;
         let part = |group: &Vec<usize>| if total > 0.0 { size(group) / total } else { equal };
-        // What carries little of a face is not too light for what it is joined to.
+        // A copy that carries little of its faces would be too light for its neighbours.
         let is_light = groups.iter().any(|group| part(group) < LEAST_SHARE);
         let share = |group: &Vec<usize>| if is_light { part(group).max(LEAST_SHARE) } else { part(group) };
         let all: f32 = if is_light { groups.iter().map(share).sum() } else { 1.0 };
@@ -163,10 +144,14 @@ impl<'a> Split<'a> {
         if !self.adjacency.has_faces() {
             return (faces, parts);
         }
+        let shared = self.shared_edges();
         let mut divided: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (element, &corners) in self.corners.iter().enumerate() {
             let Some(corners) = own(corners) else { continue };
-            let part = self.elements.face_part(element, 0);
+            let is_shared = |side: [Vec3; 2]| {
+                edge_by(self.corners[element], side).is_some_and(|edge| shared.get(&edge) > Some(&1))
+            };
+            let part = self.elements.face_part(element, 0, is_shared);
             let known = part.as_ref().and_then(|_| {
                 let known = divided.entry(self.elements.face(element)).or_default();
                 known.iter().copied().find(|&face| faces[face as usize] == corners)
@@ -182,6 +167,26 @@ impl<'a> Split<'a> {
         }
         parts.sort_by_key(|part| part.face);
         (faces, parts)
+    }
+
+    /// The number of elements at each edge that has an open stretch.
+    fn shared_edges(&self) -> BTreeMap<[u32; 2], u32> {
+        let mut count = BTreeMap::new();
+        for (element, sides) in self.elements.open() {
+            let edges = sides.iter().filter_map(|&side| edge_by(self.corners[element], side));
+            count.extend(edges.map(|edge| (edge, 0)));
+        }
+        let ends: BTreeSet<u32> = count.keys().flatten().copied().collect();
+        for &[a, b, c] in self.corners.iter().filter(|_| !ends.is_empty()) {
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                if ends.contains(&p)
+                    && let Some(count) = count.get_mut(&[p.min(q), p.max(q)])
+                {
+                    *count += 1;
+                }
+            }
+        }
+        count
     }
 
     /// The ends of each link.
@@ -304,9 +309,8 @@ fn groups_around(
         let others = adjacency.corners(f).iter().filter(|&&corner| corner != particle);
         let mut common = others.filter(|corner| adjacency.corners(g).contains(corner));
         common.any(|&corner| {
-            let sides = [f, g].map(|element| elements.on_edge_of(element, particle, corner));
-            let [Some(p), Some(q)] = sides else { return false };
-            cracks.leave(particle, corner, [p[0].max(q[0]), p[1].min(q[1])])
+            let edge = [particle.min(corner), particle.max(corner)];
+            !cracks.edges.contains(&edge) && elements.hang_together([f, g], particle, corner)
         })
     };
     let hangs_together = |f: usize, g: usize| {
@@ -326,5 +330,5 @@ fn groups_around(
     groups
 }
 
-/// The least share of a particle's mass that a copy gets.
+/// The least share of a particle's mass that a copy gets, but for what all shares are above one together.
 const LEAST_SHARE: f32 = 0.1;

@@ -71,7 +71,7 @@ impl Body {
     /// Tears the body where its structural sticks are longer than `limits` allow; returns none if nothing tears. The body
     /// becomes its largest piece, and [`Torn::pieces`] holds the others.
     ///
-    /// Mass, momentum and the number of faces stay. Copies of split particles come behind all others. Pinned particles are not
+    /// Mass, momentum and the area stay. Copies of split particles come behind all others. Pinned particles are not
     /// split. Call it between steps.
     ///
     /// # Errors

@@ -48,7 +48,7 @@ pub fn area(bodies: &[Body]) -> f64 {
     bodies.iter().map(of_body).sum()
 }
 
-/// What is drawn is a surface: each side bounds one polygon, or two whose senses agree, and no polygon is turned over. Faces that
+/// All that is drawn is a surface: each side bounds one polygon, or two whose senses agree, and no polygon is turned over. Faces that
 /// share a particle hang together by edges.
 pub fn assert_manifold(body: &Body) {
     let mut sides: BTreeMap<[Corner; 2], u32> = BTreeMap::new();
@@ -162,7 +162,7 @@ fn a_thousand_strokes_end_on_the_blade_and_lose_nothing() {
                 for (face, polygon) in bodies.iter().flat_map(polygons_in_world) {
                     let _ = face;
                     let seen: Vec<[f64; 2]> = polygon.iter().map(|&place| along(from, to, place)).collect();
-                    // Where the outline crosses the line of the stroke.
+                    // Parts of the way at which the outline crosses the stroke.
                     let crossed: Vec<f64> = (0..seen.len())
                         .filter_map(|i| {
                             let ([p, a], [q, b]) = (seen[i], seen[(i + 1) % seen.len()]);
@@ -270,6 +270,85 @@ fn a_stroke_through_one_face_opens_nothing_until_it_goes_on() {
         beside(1.0).min(beside(-1.0))
     });
     assert!(off.fold(0.0, f64::max) < 1e-3, "along the whole of it");
+}
+
+/// The triangles of a blade in another order: the second half of each quad first.
+fn turned(mut triangles: Vec<[Vec3; 3]>) -> Vec<[Vec3; 3]> {
+    triangles.as_chunks_mut().0.iter_mut().for_each(|pair: &mut [[Vec3; 3]; 2]| pair.swap(0, 1));
+    triangles
+}
+
+/// Crooked paths from rim to rim part a sheet in two, in one cut or in many, and in any order of the blade's triangles.
+#[test]
+fn any_path_from_rim_to_rim_parts_a_sheet_in_two() {
+    let mut dice = Dice(11);
+    for round in 0..160 {
+        let (columns, rows) = [(20, 17), (6, 6), (9, 12)][round % 3];
+        let whole = sheet(columns, rows, round % 2 == 1);
+        let joints = [1, 3, 10, 60][round % 4];
+        let (slope, wave, start) = (dice.about(0.3), dice.about(0.1), dice.about(0.3));
+        let path: Vec<Vec3> = (0..=joints)
+            .map(|i| {
+                let x = -0.7 + 1.4 * i as f32 / joints as f32;
+                Vec3::new(
+                    x,
+                    start + slope * x + wave * (9.0 * x).sin() + dice.about(0.1 / joints as f32),
+                    0.0,
+                )
+            })
+            .collect();
+        let strokes: Vec<[Vec3; 3]> = path.windows(2).flat_map(|ends| blade(ends[0], ends[1])).collect();
+        for order in [
+            strokes.clone(),
+            turned(strokes),
+            path.iter()
+                .rev()
+                .copied()
+                .collect::<Vec<_>>()
+                .windows(2)
+                .flat_map(|ends| blade(ends[0], ends[1]))
+                .collect(),
+        ] {
+            for at_once in [order.len(), 2] {
+                let mut bodies = vec![whole.clone()];
+                for blade in order.chunks(at_once) {
+                    let torn = bodies.iter_mut().filter_map(|body| body.cut(blade).expect("can be cut"));
+                    let pieces: Vec<Body> =
+                        torn.flat_map(|torn| torn.pieces).map(|piece| piece.body).collect();
+                    bodies.extend(pieces);
+                }
+                assert_eq!(bodies.len(), 2, "round {round}, {joints} joints, {at_once} triangles at once");
+                bodies.iter().for_each(assert_manifold);
+                assert!((area(&bodies) - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+}
+
+/// A knife that waits in a sheet goes on where it has stopped, though another one has cut across its way.
+#[test]
+fn a_stroke_goes_on_after_another_has_crossed_its_way() {
+    let mut bodies = vec![sheet(20, 17, false)];
+    let mut stroke = |from: Vec3, to: Vec3| {
+        let torn = bodies.iter_mut().filter_map(|body| cut(body, from, to));
+        let pieces: Vec<Body> = torn.flat_map(|torn| torn.pieces).map(|piece| piece.body).collect();
+        bodies.extend(pieces);
+        bodies.len()
+    };
+    let at = |x: f32| Vec3::new(x, 0.013, 0.0);
+    stroke(at(-0.7), at(0.02));
+    assert_eq!(stroke(Vec3::new(0.0115, 0.7, 0.0), Vec3::new(0.0115, -0.7, 0.0)), 3);
+    assert_eq!(stroke(at(0.02), at(0.7)), 4);
+}
+
+/// A blade that only goes through corners of faces leaves a grid as quick as it was.
+#[test]
+fn a_prick_leaves_a_grid_whole() {
+    let mut body = sheet(20, 17, false);
+    let grid = body.topology.grid_size();
+    assert!(cut(&mut body, Vec3::new(0.01, 0.013, 0.0), Vec3::new(0.015, 0.011, 0.0)).is_none());
+    cut(&mut body, Vec3::new(0.01, 0.013, 0.0), Vec3::new(0.03, 0.013, 0.0)).expect("through an edge");
+    assert_eq!(body.topology.grid_size(), grid);
 }
 
 /// A path with sharp turns inside faces takes out what it goes around: on sheets that wave, from rim to rim and as a loop.
