@@ -22,7 +22,7 @@ impl Body {
     /// Each face is cut straight from where the blade enters to where it leaves. Where it ends inside a face, the cut ends before that
     /// face, until another stroke goes on from there.
     ///
-    /// [`Torn::sticks`] are those along the edges that it has cut, and those that no longer join anything. In contrast to
+    /// [`Torn::sticks`] are the structural ones that it has cut, and those that no longer join anything. In contrast to
     /// [`tear`](Self::tear), a cut splits pinned particles, and both sides stay pinned if the blade goes through the particle.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use crate::simd::columns::LANES;
 use crate::state::body::{Body, BodyContext};
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
-use crate::state::topology::{BatchSticks, StickBatch, Topology};
+use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 use crate::tearing::elements::Elements;
 use crate::tearing::piece_topology::PieceTopology;
 use crate::tearing::split::{Cracks, Split};
@@ -101,7 +101,8 @@ impl<'a> Rejoined<'a> {
             let [a, b] = topology.stick(i);
             split.joined([a, b], &mut joined);
             rejoined.changed.extend(joined.iter().map(|&ends| (ends, topology.rest_length(i))));
-            if joined.is_empty() || cracks.crossed.contains(&[a.min(b), a.max(b)]) {
+            let is_cut = || cracks.crossed.contains(&[a.min(b), a.max(b)]);
+            if joined.is_empty() || batch.material.kind == StickKind::Structural && is_cut() {
                 severed.push(i);
             }
         }
