@@ -139,12 +139,15 @@ fn sample(entity: EntityRef<'_>, key: Key) -> Option<Sample<'_>> {
 }
 
 fn body_kind(topology: &Topology) -> TrackKind {
-    // Of a cut face, the side that has the greater part of it.
+    // Of a cut face, the side that has the greater part of it, if there is one.
     let mut shares = vec![1.0; topology.faces().len()];
     topology.face_parts().iter().for_each(|part| shares[part.face as usize] = 0.0);
     topology.face_parts().iter().for_each(|part| shares[part.face as usize] += part.share());
-    let faces = topology.faces().iter().zip(shares).filter(|&(_, share)| share >= 0.5);
-    let faces: Vec<[u32; 3]> = faces.map(|(&face, _)| face).collect();
+    let faces = topology.faces().iter().zip(shares).filter(|&(_, share)| share > 0.499);
+    let mut faces: Vec<[u32; 3]> = faces.map(|(&face, _)| face).collect();
+    if faces.is_empty() {
+        faces = topology.faces().to_vec();
+    }
     let structural = topology.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
     let sticks = if faces.is_empty() {
         structural.flat_map(StickBatch::range).map(|i| topology.stick(i)).collect()

@@ -120,7 +120,10 @@ impl Embedding {
         let mut normals = Vec::new();
         write_normals(topology, |i| rest[i], &mut normals);
         // Both sides of a cut have the faces of the cut.
-        let faces: Vec<[u32; 3]> = topology.contact_faces().collect();
+        let mut faces: Vec<[u32; 3]> = topology.contact_faces().collect();
+        if faces.is_empty() {
+            faces = topology.faces().to_vec();
+        }
         let mesh = TriMesh::new(rest, faces.clone());
         let mesh = mesh.map_err(|_| MeshError::NoFaces { vertices: topology.particle_count() })?;
         let on_face = |point: Vec3| {

@@ -21,6 +21,16 @@ pub(crate) enum End {
     Tip(Vec3, DVec3),
 }
 
+impl End {
+    /// Its place in the world.
+    pub fn place(self) -> DVec3 {
+        match self {
+            Self::Crossing(crossing) => crossing.place,
+            Self::Tip(_, place) => place,
+        }
+    }
+}
+
 /// A point at which the blade crosses the outline of a polygon.
 #[derive(Clone, Copy)]
 pub(crate) struct Crossing {
@@ -133,7 +143,7 @@ impl Blade {
                 return None;
             }
             let weights = weights_at(&corners, from.lerp(to, before / (before - after))).as_vec3();
-            let is_inside = sides(outline).all(|[from, to]| from.cross(to).dot(weights) >= 0.0);
+            let is_inside = sides(outline).all(|[from, to]| from.cross(to).dot(weights) >= -INSIDE);
             is_inside.then_some(weights)
         };
         [[p, q], [q, r], [r, p]].into_iter().filter_map(tip).collect()
@@ -185,6 +195,9 @@ fn farthest(crossings: &[Crossing]) -> [Crossing; 2] {
     }
     best
 }
+
+/// The most by which a point inside may be outside by rounding, as a part of twice the area of the face.
+const INSIDE: f32 = 1e-6;
 
 /// The most by which weights of a point of an outline lie beside it, by rounding.
 const OFF_OUTLINE: f32 = 1e-4;

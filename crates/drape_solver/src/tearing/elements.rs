@@ -77,7 +77,7 @@ impl Elements {
         self.parts[element].as_deref()
     }
 
-    /// An element as a part of face `face`, with those open stretches that `is_shared` by others; none if it is whole.
+    /// An element as a part of face `face`, without the open stretches that are not shared with others; none if it is whole.
     pub fn face_part(
         &self,
         element: usize,
@@ -86,7 +86,7 @@ impl Elements {
     ) -> Option<FacePart> {
         let mut marks = self.marks.get(&element).cloned().unwrap_or_default();
         marks.open.retain(|&side| is_shared(side));
-        let is_part = self.parts[element].is_some() || marks != Marks::default();
+        let is_part = self.part(element).is_some_and(|part| part != WHOLE) || marks != Marks::default();
         is_part.then(|| FacePart { face, corners: self.polygon(element).into(), marks })
     }
 
@@ -115,10 +115,8 @@ impl Elements {
         let [low, high] = [a[0].max(b[0]), a[1].min(b[1])];
         let mut open = Vec::new();
         for element in elements {
-            let marks = self.marks.get(&element).into_iter().flat_map(|marks| &marks.open);
-            let sides = marks.filter_map(|&side| self.on_edge(element, side));
-            let own = sides.filter(|(edge, _)| *edge == [p.min(q), p.max(q)]);
-            open.extend(own.map(|(_, [a, b])| [a.min(b), a.max(b)]));
+            let sides = self.marks.get(&element).into_iter().flat_map(|marks| &marks.open);
+            open.extend(self.stretches(element, [p, q], sides.copied()));
         }
         open.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut reached = low;
@@ -149,21 +147,17 @@ impl Elements {
     /// The particles at the ends of the edge of the face on which both points lie, the lower index first, and each point's weight of the
     /// higher one; none unless they lie on one.
     pub fn on_edge(&self, element: usize, points: [Vec3; 2]) -> Option<([u32; 2], [f32; 2])> {
-        let corners = self.corners[element];
-        let beside = beside_edge(&points)?;
-        let [mut low, mut high] = [(beside + 1) % 3, (beside + 2) % 3];
-        if corners[low] > corners[high] {
-            (low, high) = (high, low);
-        }
-        Some(([corners[low], corners[high]], points.map(|point| point[high])))
+        let edge = edge_by(self.corners[element], points)?;
+        let high = self.corners[element].iter().position(|&corner| corner == edge[1])?;
+        Some((edge, points.map(|point| point[high])))
     }
 
     /// The ends of the edge of the face on which both points lie, that with the lower index first; none unless they lie on one.
     pub fn edge_of(&self, points: [Vec3; 2], element: usize) -> Option<[Vec3; 2]> {
-        let ([low, _], _) = self.on_edge(element, points)?;
-        let beside = beside_edge(&points)?;
-        let [a, b] = [(beside + 1) % 3, (beside + 2) % 3];
-        Some(if self.corners[element][a] == low { [WHOLE[a], WHOLE[b]] } else { [WHOLE[b], WHOLE[a]] })
+        let corners = self.corners[element];
+        let ends = edge_by(corners, points)?;
+        let [low, high] = ends.map(|end| corners.iter().position(|&corner| corner == end));
+        Some([WHOLE[low?], WHOLE[high?]])
     }
 
     /// The part of the edge from `p` to `q` at which the element ends, as weights of the one with the higher index; none if it does not
@@ -173,9 +167,20 @@ impl Elements {
         let Some(polygon) = self.part(element) else {
             return edge.iter().all(|end| self.corners[element].contains(end)).then_some([0.0, 1.0]);
         };
-        let sides = sides(polygon).filter_map(|side| self.on_edge(element, side));
-        let own = sides.filter(|(ends, _)| *ends == edge).map(|(_, [a, b])| [a.min(b), a.max(b)]);
+        let own = self.stretches(element, edge, sides(polygon));
         own.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
+    }
+
+    /// Those of the `sides` that lie on an edge, as weights of its end with the higher index.
+    fn stretches(
+        &self,
+        element: usize,
+        [p, q]: [u32; 2],
+        sides: impl Iterator<Item = [Vec3; 2]>,
+    ) -> impl Iterator<Item = [f32; 2]> {
+        let sides = sides.filter_map(move |side| self.on_edge(element, side));
+        let own = sides.filter(move |(edge, _)| *edge == [p.min(q), p.max(q)]);
+        own.map(|(_, [a, b])| [a.min(b), a.max(b)])
     }
 
     /// True if the element has the place of particle `corner` itself, not only its weight.

@@ -38,7 +38,7 @@ pub(crate) struct Parted {
     pub severed: Vec<TornStick>,
 }
 
-/// Opens the cracks of a body, which becomes its largest piece. Returns none if nothing separates.
+/// Opens the cracks of a body, which becomes its largest piece. Returns none if nothing changes.
 ///
 /// # Errors
 /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
@@ -58,7 +58,11 @@ pub(crate) fn part(
     let severed: Vec<TornStick> = severed.into_iter().map(|i| body.torn_stick(i)).collect();
     if split.origins.len() == body.particles.len() {
         // Nothing opens yet: faces have parts and marks, and all else stays.
-        Arc::make_mut(&mut body.topology).parts = split.faces_of(Some).1;
+        let (_, parts) = split.faces_of(Some);
+        if parts == body.topology.parts {
+            return Ok(None);
+        }
+        Arc::make_mut(&mut body.topology).parts = parts;
         return Ok(Some(Parted { origins: split.origins, pieces: Vec::new(), severed }));
     }
     let members = members(&split, &batches);

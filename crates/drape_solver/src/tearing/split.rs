@@ -34,8 +34,8 @@ pub(crate) struct Cracks {
     pub particles: BTreeSet<u32>,
     /// The way of a blade through faces at rest, in metres.
     pub lines: Vec<[Vec3; 2]>,
-    /// True if a face has new marks.
-    pub are_marked: bool,
+    /// True if a face has been divided, or has new marks.
+    pub has_changed: bool,
 }
 
 impl Cracks {
@@ -66,7 +66,7 @@ pub(crate) struct Split<'a> {
 }
 
 impl<'a> Split<'a> {
-    /// Opens the cracks; none if no particle is split.
+    /// Opens the cracks; none if no particle is split and no face has changed.
     pub fn new(topology: &'a Topology, elements: &'a Elements, cracks: &Cracks) -> Option<Self> {
         let adjacency = Adjacency::of(topology, &elements.corners);
         let count = adjacency.topology().particle_count();
@@ -87,7 +87,7 @@ impl<'a> Split<'a> {
         for particle in cracks.touched() {
             split.part(particle, cracks);
         }
-        (split.origins.len() > count || !cracks.lines.is_empty() || cracks.are_marked).then_some(split)
+        (split.origins.len() > count || cracks.has_changed).then_some(split)
     }
 
     /// Gives each group of faces around a particle a particle of its own. The largest group keeps the particle.

@@ -95,8 +95,20 @@ impl Way {
     }
 }
 
-/// Joins ways that end in the same place, within `snap` metres; the nearest first, so that the order of the triangles does not matter.
-fn joined(mut ways: Vec<Way>, snap: f64) -> Vec<Way> {
+/// Joins ways that end in the same place, within `snap` metres, the nearest first. A way that is there twice counts once.
+fn joined(all: impl Iterator<Item = Way>, snap: f64) -> Vec<Way> {
+    let mut ways: Vec<Way> = Vec::new();
+    for way in all {
+        let is_twin = |known: &&mut Way| {
+            let [[a, b], [p, q]] = [known.ends, way.ends];
+            let meet = |one: End, other: End| one.place().distance(other.place()) <= snap;
+            meet(a, p) && meet(b, q) || meet(a, q) && meet(b, p)
+        };
+        match ways.iter_mut().find(is_twin) {
+            Some(twin) => twin.triangles.extend(way.triangles),
+            None => ways.push(way),
+        }
+    }
     loop {
         let mut nearest: Option<(f64, [(usize, usize); 2])> = None;
         for (i, way) in ways.iter().enumerate() {
@@ -137,7 +149,7 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
                 let ends = self.stroke.triangles[triangle].way(self.elements, element, self.at)?;
                 Some(Way { ends, triangles: vec![triangle] })
             });
-            let mut ways = joined(ways.collect(), self.stroke.snap);
+            let mut ways = joined(ways, self.stroke.snap);
             let (ends, used) = match ways.iter().position(|way| way.through().is_some()) {
                 Some(place) => {
                     let way = ways.swap_remove(place);
@@ -147,7 +159,7 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
             };
             let Some(ends) = ends else { return };
             triangles.retain(|triangle| !used.contains(triangle));
-            if let Some(part) = self.divide(element, ends) {
+            for part in self.divide(element, ends) {
                 self.meet(part, triangles.clone());
             }
         }
@@ -169,11 +181,12 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
             };
             match ends {
                 [End::Crossing(end), End::Tip(tip, _)] | [End::Tip(tip, _), End::Crossing(end)] => {
-                    let begun = nearest(tip, Some(end.weights)).and_then(|(_, place)| {
-                        Some((
-                            place,
-                            Crossing::on_outline(self.elements, element, entries[place].from, self.at)?,
-                        ))
+                    let begun = nearest(tip, Some(end.weights)).and_then(|(gap, place)| {
+                        let from = entries[place].from;
+                        let begin = Crossing::on_outline(self.elements, element, from, self.at)?;
+                        // Two blades that come in side by side are not one that turns back.
+                        let turns_back = beside_edge(&[begin.weights, end.weights]).is_some();
+                        (!turns_back || gap <= self.stroke.snap).then_some((place, begin))
                     });
                     if let Some((place, begin)) = begun {
                         entries.remove(place);
@@ -181,9 +194,8 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
                         return (Some([begin, end]), triangles);
                     }
                     let entry = Entry { from: end.weights, tip };
-                    let is_at_corner =
-                        end.is_corner && self.distance(element, entry.from, tip) <= self.stroke.snap;
-                    if !is_at_corner && !entries.contains(&entry) {
+                    let is_touch = self.distance(element, entry.from, tip) <= self.stroke.snap;
+                    if !is_touch && !entries.contains(&entry) {
                         entries.retain(|known| known.from != entry.from);
                         entries.push(entry);
                     }
@@ -203,7 +215,7 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
                 [End::Crossing(_), End::Crossing(_)] => {}
             }
         }
-        self.cracks.are_marked |= entries != before;
+        self.cracks.has_changed |= entries != before;
         self.elements.marks(element).entries = entries;
         (None, Vec::new())
     }
@@ -214,50 +226,65 @@ impl<At: Fn(u32) -> Vec3 + Copy, Rest: Fn(u32) -> Vec3 + Copy> Cut<'_, At, Rest>
         p.distance(q)
     }
 
-    /// Divides an element from one point of its outline to another, and returns the number of the other part; none if the blade only
+    /// Divides an element from one point of its outline to another, and returns the numbers of the other parts; none if the blade only
     /// goes along a side.
-    fn divide(&mut self, element: usize, mut ends: [Crossing; 2]) -> Option<usize> {
+    fn divide(&mut self, element: usize, mut ends: [Crossing; 2]) -> Vec<usize> {
         let Self { elements, rest, cracks, points, .. } = self;
         ends.iter_mut().for_each(|end| points.snap(elements, element, end));
-        cracks.lines.push(ends.map(|end| elements.place(element, end.weights, *rest).as_vec3()));
-        cracks.particles.extend(elements.corners[element]);
-        for end in ends {
-            if let Some((edge, weights)) = end.on_edge(elements, element) {
-                cracks.crossed.insert(edge);
-                points.add(edge, weights);
+        let arcs = arcs(elements.polygon(element), ends);
+        let is_divided = arcs.iter().all(|arc| integral(arc).element_sum() > LEAST_AREA);
+        let mut has_changed = is_divided;
+        if !is_divided {
+            // The blade goes along a side, or leaves by the side at which it came in: it parts the element from the one beside it.
+            let along = arcs.iter().filter(|arc| beside_edge(arc).is_some());
+            let open = &mut elements.marks(element).open;
+            for side in along.flat_map(|arc| arc.windows(2)).map(|side| [side[0], side[1]]) {
+                if !open.contains(&side) {
+                    open.push(side);
+                    has_changed = true;
+                }
             }
         }
-        let arcs = arcs(elements.polygon(element), ends);
-        if arcs.iter().any(|arc| integral(arc).element_sum() <= LEAST_SHARE) {
-            // It parts the element from the one beside it: it goes along a side, or has left by that at which it came in.
-            let along = arcs.iter().filter(|arc| beside_edge(arc).is_some());
-            let sides = along.flat_map(|arc| arc.windows(2)).map(|side| [side[0], side[1]]);
-            elements.marks(element).open.extend(sides);
-            return None;
+        if has_changed {
+            cracks.has_changed = true;
+            cracks.lines.push(ends.map(|end| elements.place(element, end.weights, *rest).as_vec3()));
+            cracks.particles.extend(elements.corners[element]);
+            for end in ends {
+                if let Some((edge, weights)) = end.on_edge(elements, element) {
+                    cracks.crossed.insert(edge);
+                    points.add(edge, weights);
+                }
+            }
+        }
+        if !is_divided {
+            return Vec::new();
         }
         let entries = core::mem::take(&mut elements.marks(element).entries);
-        let part = elements.divide(element, arcs);
+        let mut parts = vec![element, elements.divide(element, arcs)];
         let line = ends.map(|end| end.weights);
-        entries.into_iter().for_each(|entry| self.keep(entry, [element, part], line));
-        Some(part)
+        entries.into_iter().for_each(|entry| self.keep(entry, &mut parts, line));
+        parts.split_off(1)
     }
 
-    /// Keeps an entry in the part of a divided element in which it begins. If the line between the parts crosses its way, that part is
-    /// divided, and the way goes on in the other one.
-    fn keep(&mut self, entry: Entry, parts: [usize; 2], line: [Vec3; 2]) {
+    /// Keeps an entry in that of the `parts` of a divided element in which it begins. If the line between them crosses its way, that part
+    /// is divided, and the way goes on beyond the line.
+    fn keep(&mut self, entry: Entry, parts: &mut Vec<usize>, line: [Vec3; 2]) {
         let Entry { from, tip } = entry;
-        let begin = |part: usize| Crossing::on_outline(self.elements, part, from, self.at);
-        let Some((own, begin)) = parts.into_iter().find_map(|part| Some((part, begin(part)?))) else {
-            return;
+        let on = |part: usize, point: Vec3| {
+            Crossing::on_outline(self.elements, part, point, self.at).map(|crossing| (part, crossing))
         };
+        let Some((own, begin)) = parts.iter().find_map(|&part| on(part, from)) else { return };
         let Some(across) = meeting([from, tip], line) else {
             self.elements.marks(own).entries.push(entry);
             return;
         };
-        let other = parts[usize::from(own == parts[0])];
-        self.elements.marks(other).entries.push(Entry { from: across, tip });
-        if let Some(end) = Crossing::on_outline(self.elements, own, across, self.at) {
-            self.divide(own, [begin, end]);
+        let end = on(own, across);
+        let beyond = parts.iter().copied().filter(|&part| part != own).find_map(|part| on(part, across));
+        if let Some((other, _)) = beyond {
+            self.elements.marks(other).entries.push(Entry { from: across, tip });
+        }
+        if let Some((_, end)) = end {
+            parts.extend(self.divide(own, [begin, end]));
         }
     }
 }
@@ -308,7 +335,8 @@ impl EdgePoints {
     fn snap(&self, elements: &Elements, element: usize, crossing: &mut Crossing) {
         let Some((edge, [_, high])) = crossing.on_edge(elements, element) else { return };
         let known = self.0.get(&edge).into_iter().flatten();
-        if let Some(&[of_low, of_high]) = known.into_iter().find(|known| (known[1] - high).abs() < ROUNDING) {
+        if let Some(&[of_low, of_high]) = known.into_iter().find(|known| (known[1] - high).abs() < SAME_POINT)
+        {
             let place = |end: u32| elements.corners[element].iter().position(|&corner| corner == end);
             if let (Some(low), Some(high)) = (place(edge[0]), place(edge[1])) {
                 (crossing.weights[low], crossing.weights[high]) = (of_low, of_high);
@@ -346,7 +374,7 @@ const MOST_SNAP: f32 = 5e-4;
 const REACH: f32 = 0.5;
 
 /// Weights of one point of an edge that two triangles of a blade find differ by less.
-const ROUNDING: f32 = 1e-5;
+const SAME_POINT: f32 = 1e-5;
 
-/// Parts of a face below this are lines.
-const LEAST_SHARE: f32 = 1e-6;
+/// Parts of a face with less of its area are lines.
+const LEAST_AREA: f32 = 1e-6;

@@ -341,6 +341,38 @@ fn a_stroke_goes_on_after_another_has_crossed_its_way() {
     assert_eq!(stroke(at(0.02), at(0.7)), 4);
 }
 
+/// A blade of two sides, each triangle twice, cuts as one of one side; so do two that stop in one face, crossed by a third.
+#[test]
+fn a_blade_of_two_sides_cuts_once() {
+    let mut dice = Dice(3);
+    for _ in 0..40 {
+        let mut body = sheet(12, 9, false);
+        let [from, to] = [-0.7, 0.7].map(|x| Vec3::new(x, dice.about(0.4), 0.0));
+        let middle = from.lerp(to, dice.unit());
+        let one: Vec<[Vec3; 3]> = [blade(from, middle), blade(middle, to)].concat();
+        let back: Vec<[Vec3; 3]> = one.iter().map(|&[p, q, r]| [p, r, q]).collect();
+        let torn = body.cut(&[one, back].concat()).expect("can be cut").expect("opens");
+        assert_eq!(torn.pieces.len(), 1, "from {from} by {middle} to {to}");
+    }
+    let mut bodies = vec![sheet(6, 6, false)];
+    let mut stroke = |from: [f32; 2], to: [f32; 2]| {
+        let [from, to] = [from, to].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let torn = bodies.iter_mut().filter_map(|body| cut(body, from, to));
+        let pieces: Vec<Body> = torn.flat_map(|torn| torn.pieces).map(|piece| piece.body).collect();
+        bodies.extend(pieces);
+        bodies.len()
+    };
+    for y in [0.03, 0.05] {
+        stroke([-0.7, y], [0.06, y]);
+    }
+    assert_eq!(stroke([0.02, 0.7], [0.02, -0.7]), 4, "two halves, and a strip between the two ways");
+    for y in [0.03, 0.05] {
+        stroke([0.06, y], [0.7, y]);
+    }
+    assert_eq!(bodies.len(), 6);
+    bodies.iter().for_each(assert_manifold);
+}
+
 /// A blade that only goes through corners of faces leaves a grid as quick as it was.
 #[test]
 fn a_prick_leaves_a_grid_whole() {
@@ -349,6 +381,16 @@ fn a_prick_leaves_a_grid_whole() {
     assert!(cut(&mut body, Vec3::new(0.01, 0.013, 0.0), Vec3::new(0.015, 0.011, 0.0)).is_none());
     cut(&mut body, Vec3::new(0.01, 0.013, 0.0), Vec3::new(0.03, 0.013, 0.0)).expect("through an edge");
     assert_eq!(body.topology.grid_size(), grid);
+    // A blade that stays where it is changes nothing more: inside a face, through a face, along edges.
+    for (from, to) in [
+        (Vec3::new(0.01, 0.013, 0.0), Vec3::new(0.03, 0.013, 0.0)),
+        (Vec3::new(-0.2, 0.3, 0.0), Vec3::new(-0.1, 0.28, 0.0)),
+        (Vec3::new(-0.6, 0.5, 0.0), Vec3::new(0.6, 0.5, 0.0)),
+        (Vec3::new(-0.5, -0.125, 0.0), Vec3::new(-0.44, -0.125, 0.0)),
+    ] {
+        cut(&mut body, from, to);
+        assert!(cut(&mut body, from, to).is_none(), "from {from} to {to}");
+    }
 }
 
 /// A path with sharp turns inside faces takes out what it goes around: on sheets that wave, from rim to rim and as a loop.
