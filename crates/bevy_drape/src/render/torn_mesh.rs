@@ -39,14 +39,13 @@ pub(crate) fn tear_meshes(
             }
         };
         let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, &drawn));
-        let cut = drawn.cut.len();
         let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map), drawn.cut);
         let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
         let bounds = own.write_now(&mut mesh, transform);
         let handle = (*source == entity).then(|| handle.clone());
-        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default(), cut));
+        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
     }
-    for (entity, is_flat, handle, mesh, mut surface, bounds, cut) in made {
+    for (entity, is_flat, handle, mesh, mut surface, bounds) in made {
         let handle = match handle {
             Some(handle) => {
                 if let Some(mut known) = meshes.get_mut(&handle) {
@@ -58,6 +57,7 @@ pub(crate) fn tear_meshes(
         };
         surface.mesh = handle.id();
         if let Some(vertices) = surface.welded() {
+            let cut = surface.vertex_count() - vertices.particles.len();
             let particles = vertices.particles.iter().copied().chain(core::iter::repeat_n(None, cut));
             commands.entity(entity).insert(WeldedVertices::torn(particles.collect()));
         }

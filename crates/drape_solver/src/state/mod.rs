@@ -27,6 +27,7 @@ pub mod body;
 pub(crate) mod combine_rule;
 pub mod crossings;
 pub mod drag;
+pub(crate) mod embedded_point;
 pub mod face_part;
 pub mod frame_motion;
 pub(crate) mod friction;

@@ -259,14 +259,18 @@ impl<'a> Split<'a> {
         common.min_by(|p, q| off(p).total_cmp(&off(q)).then(p.cmp(q)))
     }
 
+    /// The elements around a particle.
+    fn elements_of(&self, member: u32) -> impl Iterator<Item = usize> + '_ {
+        let around = self.adjacency.around(self.origins[member as usize]);
+        around.filter(move |&element| self.corners[element].contains(&member))
+    }
+
     /// The mean place of the corners of the elements around a particle at rest.
     pub fn middle_of(&self, member: u32) -> Vec3 {
         let rest = &self.adjacency.topology().rest;
-        let own = self.adjacency.around(self.origins[member as usize]);
-        let own = own.filter(|&element| self.corners[element].contains(&member));
         let at = |corner: u32| rest[corner as usize];
         let mut corners = Vec::new();
-        for element in own {
+        for element in self.elements_of(member) {
             if self.adjacency.has_faces() {
                 let polygon = self.elements.polygon(element).iter();
                 corners.extend(polygon.map(|&point| self.elements.place(element, point, at).as_vec3()));
@@ -280,10 +284,8 @@ impl<'a> Split<'a> {
 
     /// The mean inverse mass in 1/kg of the particles beside a copy that are not pinned; 0 if all are.
     pub fn inverse_mass_beside(&self, member: u32, inverse_mass: impl Fn(u32) -> f32) -> f32 {
-        let own = self.adjacency.around(self.origins[member as usize]);
-        let own = own.filter(|&element| self.corners[element].contains(&member));
-        let beside =
-            own.flat_map(|element| self.adjacency.corners(element)).map(|&corner| inverse_mass(corner));
+        let corners = self.elements_of(member).flat_map(|element| self.adjacency.corners(element));
+        let beside = corners.map(|&corner| inverse_mass(corner));
         let (count, sum) = beside
             .filter(|&inverse| inverse > 0.0)
             .fold((0.0, 0.0), |(n, sum), inverse| (n + 1.0, sum + inverse));

@@ -23,6 +23,7 @@ mod determinism;
 mod drag;
 mod drape;
 mod drape_coefficient;
+mod drawn;
 mod dynamic_obstacles;
 mod frame_motion;
 mod free_flight;
