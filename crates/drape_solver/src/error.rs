@@ -97,6 +97,12 @@ pub enum BuildError {
         /// The other end.
         b: u32,
     },
+    /// What is to be a torn body cannot be one.
+    #[error("this is no torn body: {reason}")]
+    BadTopology {
+        /// The fault.
+        reason: &'static str,
+    },
     /// An obstacle's shape is one that point queries cannot handle.
     #[error("the shape cannot be used as an obstacle: {reason}")]
     BadShape {

@@ -103,6 +103,7 @@ pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
+pub use tearing::torn_topology::TornTopology;
 pub use world::World;
 pub use world::activity::{Activity, ActivityCounts};
 pub use world::activity_rules::ActivityRules;

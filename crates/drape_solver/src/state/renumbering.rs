@@ -25,16 +25,21 @@ pub(crate) struct Renumbering {
 impl Renumbering {
     /// A better order for `count` particles joined by these sticks; none if the present one is as good.
     pub fn new(count: usize, sticks: &[(u32, u32)]) -> Option<Self> {
-        let graph = Graph::new(count, sticks);
-        let indices = graph.breadth_first();
-        let mut slots = vec![0; count];
-        for (slot, &index) in indices.iter().enumerate() {
-            slots[index as usize] = slot as u32;
-        }
+        let renumbering = Self::of_order(&Graph::new(count, sticks).breadth_first())?;
+        let slots = &renumbering.slots;
         let greatest = |gap: &dyn Fn(u32, u32) -> u32| sticks.iter().map(|&(a, b)| gap(a, b)).max();
         let before = greatest(&|a, b| a.abs_diff(b));
         let after = greatest(&|a, b| slots[a as usize].abs_diff(slots[b as usize]));
-        (after < before).then(|| Self { slots: slots.into(), indices: indices.into() })
+        (after < before).then_some(renumbering)
+    }
+
+    /// That of these particles, slot by slot; none unless each is there once.
+    pub fn of_order(indices: &[u32]) -> Option<Self> {
+        let mut slots = vec![u32::MAX; indices.len()];
+        for (slot, &index) in (0..).zip(indices) {
+            *slots.get_mut(index as usize).filter(|slot| **slot == u32::MAX)? = slot;
+        }
+        Some(Self { slots: slots.into(), indices: indices.into() })
     }
 
     /// The number of particles.

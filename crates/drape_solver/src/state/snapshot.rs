@@ -19,6 +19,7 @@ use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 use crate::state::pose_constraints::PoseConstraints;
 use crate::state::pose_drives::PoseDrive;
+use crate::state::topology::Topology;
 
 /// The state of a body's [`Particles`], by index.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -201,6 +202,16 @@ impl Particles {
         self.stats = None;
         self.masses = MassStats::default();
         Ok(())
+    }
+
+    /// The particles of a snapshot, which `topology` joins, to the last bit.
+    ///
+    /// # Errors
+    /// [`BuildError`] as [`ParticlesSnapshot::validate`].
+    pub fn from_snapshot(snapshot: &ParticlesSnapshot, topology: &Topology) -> Result<Self, BuildError> {
+        let mut particles = Self { layout: topology.layout.clone(), ..Self::default() };
+        particles.restore(snapshot)?;
+        Ok(particles)
     }
 
     /// Restores limits, backstops and drives.

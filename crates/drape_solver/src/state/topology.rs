@@ -22,6 +22,7 @@ pub use crate::state::embedded_point::EmbeddedPoint;
 
 /// The purpose of a stick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickKind {
     /// Joins neighbours: keeps the cloth from stretching.
@@ -35,6 +36,7 @@ pub enum StickKind {
 
 /// The lengths that a stick allows. The rest length is always allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickBound {
     /// The rest length alone: a rod.
@@ -60,6 +62,7 @@ impl StickBound {
 
 /// Purpose, stiffness, damping and bound of a stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StickMaterial {
     /// The purpose of the stick.
     pub kind: StickKind,

@@ -30,3 +30,4 @@ pub(crate) mod split;
 pub(crate) mod stroke;
 pub mod tear;
 pub(crate) mod tether_crossing;
+pub mod torn_topology;

@@ -161,7 +161,7 @@ impl<'a> PieceTopology<'a> {
             let severed: Box<[u32]> =
                 (0..family.has.len()).filter(|&k| !family.has[k]).map(|k| k as u32).collect();
             let (batch, rest_length) = (family.batch, family.rest_length);
-            let runs = batch.runs(&severed);
+            let runs = batch.without(&batch.runs(&[]), &severed);
             batches.push_family(family.material, BatchSticks::Grid { batch, runs, rest_length, severed });
         }
         self.finish(torn, batches, loose)
