@@ -44,5 +44,6 @@ mod spatial_states;
 mod spring_bones;
 mod tearing;
 mod threads;
+mod torn_snapshots;
 mod waking;
 mod world_motion;

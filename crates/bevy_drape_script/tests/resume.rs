@@ -15,6 +15,7 @@ const SCENE: &str = r#"(
     parameters: { "fine": (default: (13, 11), sets: ["curtain.particles"]) },
     bodies: {
         "curtain": Cloth(size: (1.2, 1), at: (0, 1.5, 0), contacts: true),
+        "slashed": Cloth(size: (1, 1), particles: (16, 16), at: (-4, 2, 0)),
         "rope": Rope(start: (1, 2, 0), end: (1.8, 2, 0), particles: 16, velocity: (0, 0, 1)),
         "pair": Rig(particles: { "a": (at: (-1.5, 2, 0), pinned: true), "b": (at: (-1, 2, 0)) }, sticks: [(a: "a", b: "b")]),
         "balls": Balls(at: (0, 3, 0.3), radius: 0.05, mass: 0.2, copies: (count: (2, 1, 1))),
@@ -31,6 +32,7 @@ const SCENE: &str = r#"(
     cannons: { "cannon": (at: (0, 1, 3), aim: Point(0, 1.5, 0), speed: 8, ball: (radius: 0.06, mass: 0.3)) },
     timeline: [
         (at: 0.2, repeat: (every: 0.6, times: 4), do: Fire("cannon")),
+        (at: 0.45, do: Cut(of: "slashed", from: ((-5, 2.1, -1), (-5, 2.1, 1)), to: ((-3.9, 2.1, -1), (-3.9, 2.1, 1)))),
         (at: 0.5, do: Checkpoint("shot")),
         (at: 0.6, do: Drag(of: "curtain", point: Last, path: [(0, (0, 0, 0)), (0.8, (0.3, 0.2, 0.3))])),
         (at: 0.7, do: Spawn("late")),
@@ -40,7 +42,9 @@ const SCENE: &str = r#"(
         (at: 0.9, do: Set("settings.wind.velocity", (1, 0, 0))),
         (at: 1, do: Checkpoint("dragged")),
         (at: 1, do: Fire("cannon")),
+        (at: 0.95, do: Cut(of: "slashed", from: ((-5, 1.8, -1), (-5, 1.8, 1)), to: ((-3, 1.9, -1), (-3, 1.9, 1)))),
         (at: 1.1, do: Pause(0.2)),
+        (at: 1.15, do: Cut(of: "slashed", from: ((-5, 2.3, -1), (-5, 2.3, 1)), to: ((-3, 2.3, -1), (-3, 2.3, 1)))),
         (at: 1.2, do: Despawn("rope")),
         (at: 1.3, do: Despawn("brief")),
         (when: Hit(of: "cannon", on: "curtain"), do: Push(of: "pair", impulse: (0, 0, 1))),

@@ -25,6 +25,10 @@ pub(crate) struct AnimatedPose {
     pub shown: [Option<Affine3A>; 2],
 }
 
+/// The pose of a body before its first tear.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct WholePose(pub AnimatedPose);
+
 /// A particle that follows an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PosedParticle {

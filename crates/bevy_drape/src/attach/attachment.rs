@@ -54,6 +54,7 @@ pub struct Tie {
 /// The particles of a body that a [`Tie`] holds.
 #[derive(Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TiedParticles {
     /// The pinned particles of the body: a cape's painted collar, a curtain's top edge.
     #[default]

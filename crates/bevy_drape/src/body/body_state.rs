@@ -7,6 +7,7 @@ use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BodyScratch};
 
 use crate::body::particles::{Particles, Sticks};
+use crate::body::torn_from::TornFrom;
 
 /// State of bodies that the plugin keeps from step to step.
 #[derive(Component, Default)]
@@ -25,6 +26,8 @@ pub(crate) struct BodyState {
     pub pins: Vec<(u32, Vec3)>,
     /// Box and greatest speed of the particles, as of the last step or edit.
     pub extent: Extent,
+    /// What it has been, if it is torn or a piece.
+    pub torn_from: Option<TornFrom>,
     /// True if the body cannot be simulated; the log has the reason.
     pub refused: bool,
     /// The material of its sticks, if it is of a fabric.

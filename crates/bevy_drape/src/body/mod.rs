@@ -34,6 +34,7 @@ pub(crate) mod pressure;
 pub(crate) mod settings;
 pub(crate) mod surface;
 pub(crate) mod tearable;
+pub(crate) mod torn_from;
 
 pub use activity::Activity;
 pub use contact_events::ContactEvents;

@@ -17,6 +17,7 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 use crate::ball::projectile::build_projectiles;
+use crate::body::tearable::RestoredMesh;
 use crate::build::cloth::Cloth;
 use crate::build::description::remove_described_body;
 use crate::build::soft_ball::SoftBall;
@@ -38,7 +39,7 @@ use crate::render::from_mesh::source::mark_modified;
 use crate::render::from_mesh::spawn_colliders::{remove_body_colliders, spawn_body_colliders};
 use crate::render::mesh_times::MeshTimes;
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
-use crate::render::torn_mesh::tear_meshes;
+use crate::render::torn_mesh::{restore_meshes, tear_meshes};
 use crate::render::visibility::hide_culled;
 use crate::render::write_surfaces::{record_surfaces, write_surfaces};
 use crate::rig::compile::compile_rigs;
@@ -89,6 +90,13 @@ impl Plugin for MeshPlugin {
                 mark_modified::<Obstacle>,
             )
                 .run_if(resource_exists::<Messages<AssetEvent<Mesh>>>)
+                .before(run_drape_schedule),
+        );
+        app.add_systems(
+            self.schedule,
+            restore_meshes
+                .run_if(any_with_component::<RestoredMesh>)
+                .run_if(resource_exists::<Assets<Mesh>>)
                 .before(run_drape_schedule),
         );
         app.add_systems(

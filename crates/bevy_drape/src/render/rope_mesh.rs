@@ -70,7 +70,6 @@ impl RopeSurface {
     }
 
     /// Shows the particles as they are now, after they went ways that were not recorded.
-    #[cfg(feature = "gpu")]
     pub fn restart(&mut self, particles: &drape_solver::Particles) {
         if particles.len() == self.order.len() && particles.is_finite() {
             self.read(particles);

@@ -195,7 +195,6 @@ impl Surface {
     }
 
     /// Shows the particles as they are now, after they went ways that were not recorded.
-    #[cfg(feature = "gpu")]
     pub fn restart(&mut self, particles: &drape_solver::Particles) {
         if self.current.read(particles) {
             self.previous.clone_from(&self.current);

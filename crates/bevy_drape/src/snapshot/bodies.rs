@@ -1,5 +1,7 @@
 //! The state of cloths, ropes and rigs.
 
+use std::sync::Arc;
+
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -12,16 +14,22 @@ use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{BodyParts, Particles, Sticks};
+use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
+use crate::body::torn_from::WholeBody;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
 use crate::detail::level::CurrentDetail;
+#[cfg(feature = "mesh")]
+use crate::render::rope_mesh::RopeSurface;
+#[cfg(feature = "mesh")]
+use crate::render::surface::Surface;
 use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
+use crate::snapshot::tears::{self, TearSnapshot};
 use crate::snapshot::world::{Placed, put_component, put_disabled};
 
 /// The state of one body.
@@ -32,7 +40,9 @@ pub(super) struct BodySnapshot {
     placed: Placed,
     activity: Activity,
     particles: ParticlesSnapshot,
+    /// That of the whole body, if it is torn.
     stick_count: u64,
+    tear: Option<TearSnapshot>,
     still_for: f32,
     anchor: [f32; 12],
     pins: Vec<(u32, [f32; 3])>,
@@ -57,11 +67,21 @@ impl BodySnapshot {
         Key::Body(self.order)
     }
 
-    /// Builds the particles and sticks of the snapshot, if the body has another level of detail now.
-    fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
-        let wanted = self.detail?.coarseness;
-        let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
-        if is_other { parts_at(entity, wanted) } else { None }
+    /// The whole body at the snapshot's level of detail, by an entity that is left of it.
+    fn whole(&self, entity: EntityRef) -> Option<Arc<WholeBody>> {
+        let whole = tears::whole_of(entity)?;
+        let wanted = self.detail.zip(entity.get::<CurrentDetail>());
+        let wanted = wanted.filter(|(wanted, now)| wanted.coarseness != now.coarseness);
+        match wanted.and_then(|(wanted, _)| parts_at(entity, wanted.coarseness)) {
+            Some((_, topology)) => Some(Arc::new(WholeBody { order: whole.order, topology })),
+            None => Some(whole),
+        }
+    }
+
+    /// The entity of the body, or for a missing piece another that is left of the same whole body.
+    fn source(&self, world: &World, keys: &Keys) -> Option<Entity> {
+        let left = || tears::left_of(self.tear.as_ref()?.whole(), world, keys);
+        entity(keys, self.key()).or_else(left)
     }
 }
 
@@ -79,7 +99,11 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             placed: Placed::take(entity),
             activity: entity.get().copied().unwrap_or_default(),
             particles: particles.snapshot(),
-            stick_count: sticks.stick_count() as u64,
+            stick_count: match &state.torn_from {
+                Some(torn_from) => torn_from.whole.topology.stick_count(),
+                None => sticks.stick_count(),
+            } as u64,
+            tear: TearSnapshot::take(state, sticks),
             still_for: state.context.still_for(),
             anchor: state.anchor.to_cols_array(),
             pins: state.pins.iter().map(|&(pin, place)| (pin, place.to_array())).collect(),
@@ -106,25 +130,38 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
     out_of_order(bodies.iter().map(BodySnapshot::key))?;
     for body in bodies {
         let key = body.key();
-        let entity = entity(keys, key).ok_or(SnapshotError::Missing(key))?;
-        let (particles, sticks) = (world.get::<Particles>(entity), world.get::<Sticks>(entity));
-        let (Some(particles), Some(sticks)) = (particles, sticks) else {
-            return Err(SnapshotError::Missing(key));
-        };
-        let others = body.other_parts(world.entity(entity));
-        let found = others.as_ref().map_or(sticks.stick_count(), |(_, sticks)| sticks.stick_count());
+        let source = body.source(world, keys).ok_or(SnapshotError::Missing(key))?;
+        let whole = body.whole(world.entity(source)).ok_or(SnapshotError::Missing(key))?;
+        let found = whole.topology.stick_count();
         if found as u64 != body.stick_count {
             return Err(SnapshotError::AnotherBody { key, found, wanted: body.stick_count as usize });
         }
-        let count = others.as_ref().map_or(particles.len(), |(particles, _)| particles.len());
-        let validated = body.particles.validate(count);
-        validated.map_err(|source| SnapshotError::BadState { key, source })?;
+        let checked = match &body.tear {
+            Some(tear) => tear.check(&whole, &body.particles),
+            None => body.particles.validate(whole.topology.particle_count()),
+        };
+        checked.map_err(|source| SnapshotError::BadState { key, source })?;
     }
     Ok(())
 }
 
+/// Spawns the pieces that are missing, and returns them with the other `keys`.
+fn spawn_pieces(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Vec<(Key, Entity)> {
+    let mut all = keys.to_vec();
+    for body in bodies {
+        if let Some(tear) = &body.tear
+            && entity(keys, body.key()).is_none()
+        {
+            all.extend(tears::spawn(body.order, tear, world, keys).map(|piece| (body.key(), piece)));
+        }
+    }
+    all.sort_unstable_by_key(|&(key, _)| key);
+    all
+}
+
 /// Restores bodies that have been [checked](check).
 pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
+    let keys = &spawn_pieces(bodies, world, keys);
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
         if matches!(key, Key::Body(_)) && !is_known {
@@ -135,14 +172,16 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         let key = body.key();
         let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
         let mut entity = found.ok_or(SnapshotError::Missing(key))?;
-        if let Some((particles, topology)) = body.other_parts(entity.as_readonly()) {
-            entity.insert((Particles(particles), Sticks(topology)));
-        }
+        let whole = body.whole(entity.as_readonly()).ok_or(SnapshotError::Missing(key))?;
+        let is_other = tears::restore(body.tear.as_ref(), &body.particles, &whole, &mut entity);
+        let is_other = is_other.map_err(|source| SnapshotError::BadState { key, source })?;
         put_component(&mut entity, body.detail.as_ref());
-        if let Some(mut particles) = entity.get_mut::<Particles>() {
+        if let Some(mut particles) = entity.get_mut::<Particles>().filter(|_| !is_other) {
             let restored = particles.restore(&body.particles);
             restored.map_err(|source| SnapshotError::BadState { key, source })?;
         }
+        #[cfg(feature = "mesh")]
+        restart_surface(&mut entity);
         if let Some(mut state) = entity.get_mut::<BodyState>() {
             state.context = BodyContext::default();
             state.scratch = default();
@@ -176,7 +215,24 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         put_component(&mut entity, body.grab.as_ref());
         put_disabled(&mut entity, body.is_disabled);
         motions::restore(&body.motion, &mut entity);
-        attachments::restore(body.attachment.as_ref(), body.order, &mut entity);
+        attachments::restore(body.attachment.as_ref(), body.order, is_other, &mut entity);
     }
     Ok(())
+}
+
+/// Shows the body as it is now, and nothing between that and how it was before it was restored.
+#[cfg(feature = "mesh")]
+fn restart_surface(entity: &mut EntityWorldMut) {
+    let Ok((particles, surface, rope)) =
+        entity.get_components_mut::<(&Particles, Option<&mut Surface>, Option<&mut RopeSurface>)>()
+    else {
+        return;
+    };
+    if let Some(mut surface) = surface.filter(|surface| surface.topology.particle_count() == particles.len())
+    {
+        surface.restart(particles);
+    }
+    if let Some(mut rope) = rope {
+        rope.restart(particles);
+    }
 }

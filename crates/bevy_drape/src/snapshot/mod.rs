@@ -42,6 +42,7 @@ pub(crate) mod obstacles;
 pub(crate) mod projectiles;
 pub(crate) mod rigs;
 pub mod saved;
+pub(crate) mod tears;
 pub mod world;
 
 pub use key::{Key, SnapshotError};

@@ -1,10 +1,13 @@
 //! Parts a body, and makes entities of its pieces.
 
+use std::sync::Arc;
+
+use bevy::ecs::entity::{EntityClonerBuilder, OptOut};
 use bevy::prelude::*;
 use drape_solver::world::extent::Extent;
 use drape_solver::{Body, Piece, Topology, Torn, TornStick};
 
-use crate::attach::animated_pose::AnimatedPose;
+use crate::attach::animated_pose::{AnimatedPose, WholePose};
 use crate::attach::attachment::Attachment;
 use crate::attach::attachment_state::AttachmentState;
 use crate::attach::grab::Grab;
@@ -12,6 +15,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::{Tearable, TornMesh, Untearable};
+use crate::body::torn_from::TornFrom;
 use crate::build::cloth::Cloth;
 use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;
@@ -82,13 +86,24 @@ impl Tearing<'_, '_> {
             particles.bypass_change_detection().0 = body.particles;
             return;
         };
+        if state.order == 0 {
+            // Cut before its first step.
+            state.order = self.order.next();
+        }
+        let was = state.torn_from.take().unwrap_or_else(|| TornFrom::whole(state.order, &sticks.0));
+        if Arc::ptr_eq(&was.whole.topology, &sticks.0)
+            && let Ok(posed) = self.posed.get(entity)
+        {
+            self.commands.entity(entity).insert(WholePose(posed.clone()));
+        }
+        state.torn_from = Some(was.torn(&origins));
         for TornStick { position, length, rest_length, .. } in torn_sticks {
             self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });
         }
         let least = tearable.copied().unwrap_or_default().least_particles as usize;
         for Piece { body: piece, origins } in pieces {
-            let spawned =
-                (piece.particles.len() >= least).then(|| self.spawn(entity, &state, piece, &origins));
+            let spawned = (piece.particles.len() >= least)
+                .then(|| self.spawn(entity, &state, was.torn(&origins), piece, &origins));
             let split = BodySplit { body: entity, piece: spawned, origins, time };
             self.split.write(split.clone());
             self.splits.push(split);
@@ -119,39 +134,32 @@ impl Tearing<'_, '_> {
     }
 
     /// Spawns the entity of a piece that has come off another.
-    fn spawn(&mut self, from: Entity, state: &BodyState, piece: Body, origins: &[u32]) -> Entity {
+    fn spawn(
+        &mut self,
+        from: Entity,
+        state: &BodyState,
+        torn_from: TornFrom,
+        piece: Body,
+        origins: &[u32],
+    ) -> Entity {
         let mesh = self.torn_mesh(from, origins);
         let own = real_origins(&piece.topology, origins);
         let state = BodyState {
             order: self.order.next(),
             anchor: state.anchor,
-            rest: state.rest,
             pins: pins_after(state, &own),
             extent: Extent::of(&piece.particles, &piece.topology),
-            material: state.material,
             settings: state.settings,
             layers: state.layers,
-            ..BodyState::default()
+            torn_from: Some(torn_from),
+            ..state_of_piece(state)
         };
         let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, &own));
         let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
         let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(&own));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
-        let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
-            cloner.deny::<(Cloth, Rope, SoftBall, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
-            #[cfg(feature = "mesh")]
-            cloner.deny::<(
-                crate::render::from_mesh::cloth_mesh::ClothMesh,
-                crate::render::from_mesh::source::MeshSource,
-                crate::render::from_mesh::cloth_mesh::WeldedVertices,
-                crate::render::surface::Surface,
-                crate::render::rope_mesh::RopeSurface,
-                Mesh3d,
-                Mesh2d,
-                bevy::camera::primitives::Aabb,
-            )>();
-        });
+        let mut spawned = commands.clone_and_spawn_with_opt_out(leave_out_body);
         spawned.insert(own);
         if let Some(posed) = posed {
             spawned.insert(posed);
@@ -176,6 +184,27 @@ impl Tearing<'_, '_> {
             Err(_) => TornMesh { source: entity, origins: origins.to_vec() },
         }
     }
+}
+
+/// The state of a piece as far as it is that of the body from which it has come off.
+pub(crate) fn state_of_piece(whole: &BodyState) -> BodyState {
+    BodyState { rest: whole.rest, material: whole.material, ..BodyState::default() }
+}
+
+/// Leaves out of a clone what a piece has of its own, or not at all.
+pub(crate) fn leave_out_body(cloner: &mut EntityClonerBuilder<OptOut>) {
+    cloner.deny::<(Cloth, Rope, SoftBall, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
+    #[cfg(feature = "mesh")]
+    cloner.deny::<(
+        crate::render::from_mesh::cloth_mesh::ClothMesh,
+        crate::render::from_mesh::source::MeshSource,
+        crate::render::from_mesh::cloth_mesh::WeldedVertices,
+        crate::render::surface::Surface,
+        crate::render::rope_mesh::RopeSurface,
+        Mesh3d,
+        Mesh2d,
+        bevy::camera::primitives::Aabb,
+    )>();
 }
 
 /// Returns the origins of a torn body's particles, or of those of a piece; no particle for virtual ones, which nothing holds.

@@ -1,6 +1,7 @@
 //! The meshes of torn cloth.
 
 use super::*;
+use bevy_drape::snapshot::{Snapshot, members};
 use bevy_drape::tear::CutCloth;
 
 fn texture_coordinates(app: &App, entity: Entity) -> Vec<[f32; 2]> {
@@ -112,5 +113,71 @@ fn a_piece_of_the_size_of_the_whole_has_its_own_normals() {
         for entity in bodies {
             assert!(normals_of(&app, entity).iter().all(|normal| normal.distance(Vec3::Z) < 0.1));
         }
+    }
+}
+
+/// What a mesh shows of a body: positions, texture coordinates and triangles.
+fn shown(app: &App, entity: Entity) -> (Vec<Vec3>, Vec<[f32; 2]>, Vec<usize>) {
+    let indices = mesh_of(app, entity).indices().expect("indexed").iter().collect();
+    (world_vertices(app, entity), texture_coordinates(app, entity), indices)
+}
+
+/// A snapshot from before a cut brings the whole mesh back, one from after it those of both pieces, in this world and in another one
+/// in which nothing was cut. Grids and meshes, which have their own vertices, do so alike.
+#[test]
+fn meshes_go_back_across_cuts() {
+    for is_mesh in [false, true] {
+        let world = || {
+            let mut app = app();
+            let place = Transform::from_xyz(0.0, 0.1, 0.0);
+            if is_mesh {
+                let plane = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(7).build();
+                let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(plane);
+                app.world_mut().spawn((ClothMesh::default(), Mesh3d(mesh), place));
+            } else {
+                app.world_mut().spawn((Cloth::new(1.0, 1.0).with_particles(9, 9), place));
+            }
+            start(&mut app);
+            frame(&mut app, 1.0);
+            app
+        };
+        let all = |app: &mut App| {
+            let bodies: Vec<Entity> =
+                members(app.world_mut()).into_iter().map(|(_, entity)| entity).collect();
+            bodies.into_iter().map(|entity| shown(app, entity)).collect::<Vec<_>>()
+        };
+        let mut app = world();
+        let whole = Snapshot::take(app.world_mut());
+        frame(&mut app, 1.0);
+        let whole_then = all(&mut app);
+        for level in [0.15, -0.2] {
+            let edge = |x: f32| [Vec3::new(x, level, -1.0), Vec3::new(x, level, 1.0)];
+            app.world_mut().write_message(CutCloth::sweep(edge(-1.0), edge(1.0)));
+            frame(&mut app, 1.0);
+        }
+        frame(&mut app, 1.0);
+        let torn = Snapshot::take(app.world_mut());
+        frame(&mut app, 1.0);
+        let torn_then = all(&mut app);
+        assert_eq!([whole_then.len(), torn_then.len()], [1, 3]);
+        let mut other = world();
+        for app in [&mut app, &mut other] {
+            for _ in 0..2 {
+                for (snapshot, then) in [(&torn, &torn_then), (&whole, &whole_then)] {
+                    snapshot.restore(app.world_mut()).expect("the same scene");
+                    frame(app, 1.0);
+                    for (now, then) in all(app).iter().zip(then) {
+                        assert_eq!((&now.1, &now.2), (&then.1, &then.2));
+                        assert_eq!(farthest(&now.0, &then.0), 0.0);
+                    }
+                    frame(app, 1.0);
+                }
+            }
+        }
+        // From here on it is cut like any other.
+        let edge = |x: f32| [Vec3::new(x, 0.0, -1.0), Vec3::new(x, 0.0, 1.0)];
+        app.world_mut().write_message(CutCloth::sweep(edge(-1.0), edge(1.0)));
+        frame(&mut app, 1.0);
+        assert_eq!(all(&mut app).len(), 2);
     }
 }

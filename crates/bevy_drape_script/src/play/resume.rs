@@ -28,7 +28,7 @@ struct SavedPlay {
     script: SceneScript,
     /// The meshes of the script, whose files may be elsewhere when it is resumed.
     meshes: MeshFiles,
-    /// The keys of all entities, by name: of balls one each, or none once the ball is gone.
+    /// The keys of all entities, by name: of balls one each, or none once the ball is gone; of a body its own and those of its pieces.
     #[serde(rename = "actors")]
     entities: BTreeMap<String, Vec<Option<Key>>>,
     schedule: Vec<ScheduledEvent>,
@@ -55,7 +55,12 @@ impl ScenePlay {
         let body_of = |particle: &Entity| world.get::<InRig>(*particle).and_then(|rig| key_of(rig.body));
         let entities = self.entities.iter().map(|(name, named)| {
             let keys = match named {
-                NamedEntity::Body { body, .. } => vec![key_of(*body)],
+                NamedEntity::Body { body, pieces } => match key_of(*body) {
+                    Some(body) => {
+                        [Some(body)].into_iter().chain(pieces.iter().copied().map(key_of)).collect()
+                    }
+                    None => Vec::new(),
+                },
                 NamedEntity::Obstacle(entity) => vec![key_of(*entity)],
                 NamedEntity::Wind(_) => Vec::new(),
                 NamedEntity::Rig { particles, .. } => particles.iter().map(body_of).collect(),
@@ -153,6 +158,9 @@ fn restored_entities(
         let named = match spawned.get(name) {
             Some(NamedEntity::Cannon { cannon, .. }) => {
                 NamedEntity::Cannon { cannon: *cannon, balls: of_keys(keys) }
+            }
+            Some(NamedEntity::Body { body, .. }) => {
+                NamedEntity::Body { body: *body, pieces: of_keys(keys.get(1..).unwrap_or_default()) }
             }
             Some(NamedEntity::Balls(_)) | None => NamedEntity::Balls(of_keys(keys)),
             Some(other) => other.clone(),

@@ -1,0 +1,172 @@
+//! What tears and cuts have made of bodies.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use drape_solver::{BuildError, ParticlesSnapshot, Topology, TornTopology};
+
+use crate::attach::animated_pose::{AnimatedPose, WholePose};
+use crate::body::activity::Activity;
+use crate::body::body_state::BodyState;
+use crate::body::particles::{Particles, Sticks};
+use crate::body::tearable::{RestoredMesh, TornMesh};
+use crate::body::torn_from::{TornFrom, WholeBody};
+use crate::snapshot::key::{Key, Keys};
+use crate::tear::part::{leave_out_body, state_of_piece};
+
+/// What a torn body, or a piece of one, was and is.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "PlainTear", into = "PlainTear"))]
+pub(super) enum TearSnapshot {
+    /// Shared with the running world that it was taken of.
+    Shared(TornFrom, Arc<Topology>),
+    /// As read from a file.
+    Plain(PlainTear),
+}
+
+/// The same as plain numbers.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PlainTear {
+    /// The order of creation of the whole body.
+    whole: u64,
+    /// For each particle, that of the whole body.
+    origins: Vec<u32>,
+    topology: TornTopology,
+}
+
+impl From<TearSnapshot> for PlainTear {
+    fn from(tear: TearSnapshot) -> Self {
+        match tear {
+            TearSnapshot::Shared(TornFrom { whole, origins }, topology) => Self {
+                whole: whole.order,
+                origins: origins.to_vec(),
+                topology: TornTopology::new(&topology, &whole.topology),
+            },
+            TearSnapshot::Plain(plain) => plain,
+        }
+    }
+}
+
+impl From<PlainTear> for TearSnapshot {
+    fn from(plain: PlainTear) -> Self {
+        Self::Plain(plain)
+    }
+}
+
+impl PartialEq for TearSnapshot {
+    fn eq(&self, other: &Self) -> bool {
+        PlainTear::from(self.clone()) == PlainTear::from(other.clone())
+    }
+}
+
+impl TearSnapshot {
+    pub fn take(state: &BodyState, sticks: &Sticks) -> Option<Self> {
+        Some(Self::Shared(state.torn_from.clone()?, Arc::clone(&sticks.0)))
+    }
+
+    /// The order of creation of the whole body.
+    pub fn whole(&self) -> u64 {
+        match self {
+            Self::Shared(TornFrom { whole, .. }, _) => whole.order,
+            Self::Plain(plain) => plain.whole,
+        }
+    }
+
+    /// What the body was and is, if it comes of this whole body.
+    fn of(&self, whole: &Arc<WholeBody>) -> Result<(TornFrom, Arc<Topology>), BuildError> {
+        let (origins, topology): (Arc<[u32]>, _) = match self {
+            Self::Shared(torn_from, topology) => (Arc::clone(&torn_from.origins), Arc::clone(topology)),
+            Self::Plain(PlainTear { origins, topology, .. }) => {
+                (origins.as_slice().into(), topology.build(&whole.topology)?.into())
+            }
+        };
+        let count = whole.topology.particle_count();
+        if let Some(&index) = origins.iter().find(|&&origin| origin as usize >= count) {
+            return Err(BuildError::NoSuchParticle { what: "a torn body", index, count: count as u32 });
+        }
+        if origins.len() != topology.particle_count() {
+            return Err(BuildError::BadTopology { reason: "it has other particles than its sticks join" });
+        }
+        Ok((TornFrom { whole: Arc::clone(whole), origins }, topology))
+    }
+
+    /// Checks that a body of this state can become what it was.
+    pub fn check(&self, whole: &Arc<WholeBody>, particles: &ParticlesSnapshot) -> Result<(), BuildError> {
+        let (_, topology) = self.of(whole)?;
+        particles.validate(topology.particle_count())
+    }
+}
+
+/// The whole body of which a body or piece is what is left.
+pub(super) fn whole_of(entity: EntityRef) -> Option<Arc<WholeBody>> {
+    let state = entity.get::<BodyState>()?;
+    if let Some(torn_from) = &state.torn_from {
+        return Some(Arc::clone(&torn_from.whole));
+    }
+    let topology = Arc::clone(&entity.get::<Sticks>()?.0);
+    Some(Arc::new(WholeBody { order: state.order, topology }))
+}
+
+/// An entity that is left of a whole body, or that is whole, in order of creation.
+pub(super) fn left_of(whole: u64, world: &World, keys: &Keys) -> Option<Entity> {
+    let is_left = |state: &BodyState| {
+        state.torn_from.as_ref().map_or(state.order, |torn_from| torn_from.whole.order) == whole
+    };
+    let bodies = keys.iter().filter(|(key, _)| matches!(key, Key::Body(_)));
+    bodies.map(|&(_, entity)| entity).find(|&entity| world.get::<BodyState>(entity).is_some_and(is_left))
+}
+
+/// Spawns a missing piece as a clone of another entity that is left of its whole body. It has no particles yet.
+pub(super) fn spawn(order: u64, tear: &TearSnapshot, world: &mut World, keys: &Keys) -> Option<Entity> {
+    let other = left_of(tear.whole(), world, keys)?;
+    let torn_from = Some(TornFrom { whole: whole_of(world.entity(other))?, origins: [].into() });
+    let state = BodyState { order, torn_from, ..state_of_piece(world.get(other)?) };
+    let piece = world.entity_mut(other).clone_and_spawn_with_opt_out(leave_out_body);
+    let parts = (Particles::default(), Sticks::default(), Activity::default());
+    world.entity_mut(piece).insert((parts, state, RestoredMesh { whole: other }));
+    Some(piece)
+}
+
+/// Gives a body the sticks that it had, and particles for them, if it has others now. Returns true then.
+pub(super) fn restore(
+    tear: Option<&TearSnapshot>,
+    snapshot: &ParticlesSnapshot,
+    whole: &Arc<WholeBody>,
+    entity: &mut EntityWorldMut,
+) -> Result<bool, BuildError> {
+    let (torn_from, topology) = match tear {
+        Some(tear) => tear.of(whole).map(|(torn_from, topology)| (Some(torn_from), topology))?,
+        None => (None, Arc::clone(&whole.topology)),
+    };
+    let Some(mut state) = entity.get_mut::<BodyState>() else { return Ok(false) };
+    let is_torn = torn_from.is_some() || state.torn_from.is_some();
+    let pose_origins = torn_from.as_ref().map(|torn_from| Arc::clone(&torn_from.origins));
+    state.torn_from = torn_from;
+    let Some(mut sticks) = entity.get_mut::<Sticks>() else { return Ok(false) };
+    if Arc::ptr_eq(&sticks.0, &topology) {
+        return Ok(false);
+    }
+    // Not marked as changed, which would rouse a body at rest.
+    sticks.bypass_change_detection().0 = Arc::clone(&topology);
+    if let Some(mut particles) = entity.get_mut::<Particles>() {
+        particles.0 = drape_solver::Particles::from_snapshot(snapshot, &topology)?;
+    }
+    if is_torn {
+        restore_pose(pose_origins.as_deref(), entity);
+        let whole = entity.id();
+        entity.remove::<TornMesh>().insert_if_new(RestoredMesh { whole });
+    }
+    Ok(true)
+}
+
+/// Has an animation move the particles that it moved, which come from these of the whole body; from all if it is whole.
+fn restore_pose(origins: Option<&[u32]>, entity: &mut EntityWorldMut) {
+    let known = entity.get::<WholePose>().map(|whole| &whole.0).or(entity.get::<AnimatedPose>());
+    let Some(whole) = known.cloned() else { return };
+    match origins {
+        Some(origins) => entity.insert((whole.torn(origins), WholePose(whole))),
+        None => entity.insert(whole).remove::<WholePose>(),
+    };
+}
