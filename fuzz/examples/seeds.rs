@@ -6,13 +6,18 @@ use std::fs;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::CutCloth;
 use bevy_drape_script::checkpoint::Checkpoint;
 use bevy_drape_script::recording::{Header, RecordSteps};
 use drape_fuzz::{RECORDING, checkpoint_head, unpack, world};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for (name, steps) in [("start", 0), ("hit", 40)] {
+    for (name, steps) in [("start", 0), ("cut", 3), ("hit", 40)] {
         let mut app = world();
+        if name == "cut" {
+            let edge = |x: f32| [Vec3::new(x, 0.1, -9.0), Vec3::new(x, 0.1, 9.0)];
+            app.world_mut().write_message(CutCloth::sweep(edge(-9.0), edge(9.0)));
+        }
         (0..steps).for_each(|_| app.update());
         let bytes = Checkpoint::take(app.world_mut(), name).to_bytes()?;
         let plain = unpack(&bytes[checkpoint_head().len() + size_of::<u64>()..]);

@@ -310,7 +310,7 @@ fn every_truncation_and_every_flipped_byte_is_refused() {
 #[test]
 fn the_seeds_of_the_fuzzer_are_of_this_format() {
     let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/checkpoint");
-    for name in ["start", "hit"] {
+    for name in ["start", "cut", "hit"] {
         let bytes = std::fs::read(format!("{seeds}/{name}")).expect("a seed");
         let read = Checkpoint::from_bytes(&bytes).map(|_| ());
         assert_eq!(
