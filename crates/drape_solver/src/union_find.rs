@@ -31,6 +31,9 @@ impl Groups {
 
     /// Merges the groups of `a` and `b`; false if they were one already.
     pub fn join(&mut self, a: u32, b: u32) -> bool {
+        if self.0[a as usize] == self.0[b as usize] {
+            return false;
+        }
         let (p, q) = (self.root(a), self.root(b));
         self.0[p.max(q) as usize] = p.min(q);
         p != q

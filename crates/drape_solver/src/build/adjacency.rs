@@ -18,6 +18,24 @@ pub(crate) struct Adjacency<'a> {
     around: Vec<u32>,
 }
 
+/// The index of the first element of each of `count` particles, and one more at the end, in the elements by their corners.
+fn by_corner<const N: usize>(elements: &[[u32; N]], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut first = vec![0; count + 1];
+    elements.as_flattened().iter().for_each(|&corner| first[corner as usize + 1] += 1);
+    for particle in 0..count {
+        first[particle + 1] += first[particle];
+    }
+    let mut next = first.clone();
+    let mut around = vec![0; N * elements.len()];
+    for (element, corners) in (0..).zip(elements) {
+        for &corner in corners {
+            around[next[corner as usize] as usize] = element;
+            next[corner as usize] += 1;
+        }
+    }
+    (first, around)
+}
+
 impl<'a> Adjacency<'a> {
     pub fn new(topology: &'a Topology) -> Self {
         Self::of(topology, &topology.faces)
@@ -25,21 +43,10 @@ impl<'a> Adjacency<'a> {
 
     /// That of a topology with these faces in place of its own.
     pub fn of(topology: &'a Topology, faces: &'a [[u32; 3]]) -> Self {
-        let empty = Self { topology, faces, first: Vec::new(), around: Vec::new() };
-        let corners =
-            || (0..empty.len()).flat_map(|element| empty.corners(element).iter().map(move |&c| (element, c)));
-        let mut first = vec![0; topology.particle_count() + 1];
-        corners().for_each(|(_, corner)| first[corner as usize + 1] += 1);
-        for particle in 1..first.len() {
-            first[particle] += first[particle - 1];
-        }
-        let mut next = first.clone();
-        let mut around = vec![0; corners().count()];
-        for (element, corner) in corners() {
-            around[next[corner as usize] as usize] = element as u32;
-            next[corner as usize] += 1;
-        }
-        Self { first, around, ..empty }
+        let count = topology.particle_count();
+        let (first, around) =
+            if faces.is_empty() { by_corner(&topology.segments, count) } else { by_corner(faces, count) };
+        Self { topology, faces, first, around }
     }
 
     pub fn topology(&self) -> &'a Topology {
@@ -49,11 +56,6 @@ impl<'a> Adjacency<'a> {
     /// True if the elements are faces, false if they are links.
     pub fn has_faces(&self) -> bool {
         !self.faces.is_empty()
-    }
-
-    /// The number of faces or links.
-    pub fn len(&self) -> usize {
-        if self.has_faces() { self.faces.len() } else { self.topology.segments.len() }
     }
 
     /// The particles of face or link `element`.

@@ -127,7 +127,7 @@ impl Tethers {
         self.particle.iter().chain(&self.pin).copied().max()
     }
 
-    /// Tethers from (particle, pin, length in metres), in order of the particles, nearest pin first.
+    /// Tethers from (particle, pin, length in metres), of each particle that of the nearest pin first.
     pub(crate) fn from_list(list: impl IntoIterator<Item = (u32, u32, f32)>) -> Self {
         let mut tethers = Self::default();
         list.into_iter().for_each(|(particle, pin, length)| tethers.push(particle, pin, length));
@@ -180,23 +180,40 @@ impl Anchor {
 
 impl TetherPlan {
     pub fn new(tethers: &Tethers, layout: &Layout) -> Self {
-        let mut places: Vec<(usize, usize, usize, f32)> = Vec::with_capacity(tethers.len());
-        places.extend(tethers.iter().map(|(particle, pin, length)| {
-            let [slot, pin] = [particle, pin].map(|index| layout.slot(index as usize));
-            (slot / LANES, slot % LANES, pin, length)
-        }));
-        // Stable: the nearest pin of each particle stays the first.
-        places.sort_by_key(|place| place.0);
+        Self::default().changed(&[], tethers, layout)
+    }
+
+    /// The plan with the present ties of those cells that are `kept`, and with these `tethers` of all others.
+    pub fn changed(&self, kept: &[bool], tethers: &Tethers, layout: &Layout) -> Self {
+        // Sorted by cells, of which each has few.
+        let mut first = vec![0; layout.cells() + 1];
+        let slot = |particle: u32| layout.slot(particle as usize);
+        tethers.particle.iter().for_each(|&particle| first[slot(particle) / LANES + 1] += 1);
+        (1..first.len()).for_each(|cell| first[cell] += first[cell - 1]);
+        let mut next = first.clone();
+        let mut places = vec![CellTether::default(); tethers.len()];
+        for (particle, pin, length) in tethers.iter() {
+            let (cell, lane) = (slot(particle) / LANES, slot(particle) % LANES);
+            places[next[cell]] = CellTether { particle, lane: lane as u32, pin: slot(pin) as u32, length };
+            next[cell] += 1;
+        }
         let mut plan = Self { first: Vec::with_capacity(layout.cells() + 1), ..Self::default() };
-        let mut rest = places.as_slice();
-        for cell in 0..layout.cells() {
+        for (cell, own) in first.windows(2).enumerate() {
             plan.first.push(plan.ties.len() as u32);
-            let (here, beyond) = rest.split_at(rest.partition_point(|place| place.0 == cell));
-            for (length, anchor) in ties_of_cell(here) {
+            if kept.get(cell) == Some(&true) {
+                for &Tie { length, anchor } in self.ties_of(cell) {
+                    let anchor = plan.place_of(self.anchors[anchor as usize]);
+                    plan.ties.push(Tie { length, anchor });
+                }
+                continue;
+            }
+            let own = &mut places[own[0]..own[1]];
+            // Stable: the nearest pin of each particle stays the first.
+            own.sort_by_key(|tether| tether.particle);
+            for (length, anchor) in ties_of_cell(own) {
                 let anchor = plan.place_of(anchor);
                 plan.ties.push(Tie { length, anchor });
             }
-            rest = beyond;
         }
         plan.first.push(plan.ties.len() as u32);
         plan
@@ -215,11 +232,23 @@ impl TetherPlan {
         self.ties.is_empty()
     }
 
+    fn ties_of(&self, cell: usize) -> &[Tie] {
+        &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+
+    /// The tethers of a cell: slot, slot of the pin, and length in metres.
+    pub fn of_cell(&self, cell: usize) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
+        self.ties_of(cell).iter().flat_map(move |tie| {
+            let lanes = (0..LANES).filter(|&lane| tie.length[lane].is_finite());
+            let pin = self.anchors[tie.anchor as usize];
+            lanes.map(move |lane| (cell * LANES + lane, pin.slot(lane), tie.length[lane]))
+        })
+    }
+
     /// The way in this substep of the nearest pin that a tether holds the particle in `slot` to, in metres; zero if there is none.
     pub fn anchor_travel(&self, slot: usize, particles: &Particles) -> Vec3 {
         let (cell, lane) = (slot / LANES, slot % LANES);
-        let ties = &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize];
-        let pins = ties.iter().filter(|tie| tie.length[lane].is_finite()).filter_map(|tie| {
+        let pins = self.ties_of(cell).iter().filter(|tie| tie.length[lane].is_finite()).filter_map(|tie| {
             let pin = self.anchors[tie.anchor as usize].slot(lane);
             particles.is_anchor(pin).then_some((tie.length[lane], pin))
         });
@@ -227,21 +256,12 @@ impl TetherPlan {
         nearest.map_or(Vec3::ZERO, |(_, pin)| particles.displacement.get(pin))
     }
 
-    /// Each tether as (particle, pin, length in metres).
+    /// Each tether as (particle, pin, length in metres), in order of the particles.
     pub fn list(&self, layout: &Layout) -> Vec<(u32, u32, f32)> {
-        let mut list = Vec::new();
-        for (cell, range) in self.first.windows(2).enumerate() {
-            for tie in &self.ties[range[0] as usize..range[1] as usize] {
-                for lane in (0..LANES).filter(|&lane| tie.length[lane].is_finite()) {
-                    let pin = self.anchors[tie.anchor as usize].slot(lane);
-                    if let [Some(particle), Some(pin)] =
-                        [cell * LANES + lane, pin].map(|slot| layout.index(slot))
-                    {
-                        list.push((particle as u32, pin as u32, tie.length[lane]));
-                    }
-                }
-            }
-        }
+        let cells = 0..self.first.len().saturating_sub(1);
+        let named =
+            |(slot, pin, length)| Some((layout.index(slot)? as u32, layout.index(pin)? as u32, length));
+        let mut list: Vec<_> = cells.flat_map(|cell| self.of_cell(cell)).filter_map(named).collect();
         list.sort_by_key(|tether| tether.0);
         list
     }
@@ -252,27 +272,39 @@ impl TetherPlan {
     }
 }
 
-/// Packs the tethers of one cell, (cell, lane, pin's slot, length), into as few ties as their pins allow.
-fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<([f32; LANES], Anchor)> {
+/// A tether of one cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct CellTether {
+    particle: u32,
+    lane: u32,
+    /// The slot of its pin.
+    pin: u32,
+    /// Metres.
+    length: f32,
+}
+
+/// Packs the tethers of one cell into as few ties as their pins allow.
+fn ties_of_cell(tethers: &[CellTether]) -> Vec<([f32; LANES], Anchor)> {
+    const ALL: u32 = LANES as u32;
     let mut ties = Vec::new();
     let mut rest = tethers.to_vec();
-    while let Some(&(_, lane, pin, _)) = rest.first() {
-        let shares_pin = |tether: &(usize, usize, usize, f32)| tether.2 == pin;
-        let is_aligned = |tether: &(usize, usize, usize, f32)| {
-            pin % LANES == lane && tether.2 / LANES == pin / LANES && tether.2 % LANES == tether.1
+    while let Some(&CellTether { lane, pin, .. }) = rest.first() {
+        let shares_pin = |tether: &CellTether| tether.pin == pin;
+        let is_aligned = |tether: &CellTether| {
+            pin % ALL == lane && tether.pin / ALL == pin / ALL && tether.pin % ALL == tether.lane
         };
-        let count =
-            |is_in: &dyn Fn(&(usize, usize, usize, f32)) -> bool| rest.iter().filter(|t| is_in(t)).count();
-        let aligned = count(&is_aligned) > count(&shares_pin);
+        let (shared, aligned) = rest.iter().fold((0, 0), |(shared, aligned), tether| {
+            (shared + u32::from(shares_pin(tether)), aligned + u32::from(is_aligned(tether)))
+        });
         let mut length = [f32::INFINITY; LANES];
         rest.retain(|tether| {
-            let is_in = if aligned { is_aligned(tether) } else { shares_pin(tether) };
+            let is_in = if aligned > shared { is_aligned(tether) } else { shares_pin(tether) };
             if is_in {
-                length[tether.1] = tether.3;
+                length[tether.lane as usize] = tether.length;
             }
             !is_in
         });
-        let anchor = if aligned { Anchor::Cell((pin / LANES) as u32) } else { Anchor::Slot(pin as u32) };
+        let anchor = if aligned > shared { Anchor::Cell(pin / ALL) } else { Anchor::Slot(pin) };
         ties.push((length, anchor));
     }
     ties

@@ -217,7 +217,11 @@ impl Topology {
     /// # Panics
     /// If `i` is out of range; so does [`rest_length`](Self::rest_length).
     pub fn stick(&self, i: usize) -> [u32; 2] {
-        let batch = self.batch_of(i);
+        self.stick_of(self.batch_of(i), i)
+    }
+
+    /// The particles that stick `i` of a batch joins.
+    fn stick_of(&self, batch: &StickBatch, i: usize) -> [u32; 2] {
         match &batch.sticks {
             BatchSticks::Grid { batch: grid, severed, .. }
                 if severed.is_empty() && !self.layout.is_torn() =>
@@ -225,14 +229,26 @@ impl Topology {
                 grid.particles(i - batch.first).map(|end| end as u32)
             }
             _ => {
-                self.stick_slots(i).map(|slot| self.layout.index(slot).map_or(u32::MAX, |index| index as u32))
+                let index = |slot| self.layout.index(slot).map_or(u32::MAX, |index| index as u32);
+                self.slots_of(batch, i).map(index)
             }
         }
     }
 
+    /// The sticks of a batch: particles and rest length in metres.
+    pub(crate) fn sticks_of<'a>(
+        &'a self,
+        batch: &'a StickBatch,
+    ) -> impl ExactSizeIterator<Item = ([u32; 2], f32)> + 'a {
+        batch.range().map(|i| (self.stick_of(batch, i), self.rest_length_of(batch, i)))
+    }
+
     /// The slots of the two particles that stick `i` joins.
     pub(crate) fn stick_slots(&self, i: usize) -> [usize; 2] {
-        let batch = self.batch_of(i);
+        self.slots_of(self.batch_of(i), i)
+    }
+
+    fn slots_of(&self, batch: &StickBatch, i: usize) -> [usize; 2] {
         match &batch.sticks {
             BatchSticks::Grid { batch: grid, severed, .. } => {
                 grid.slots(index_in_family(i - batch.first, severed))
@@ -246,7 +262,10 @@ impl Topology {
 
     /// The rest length of stick `i` in metres.
     pub fn rest_length(&self, i: usize) -> f32 {
-        let batch = self.batch_of(i);
+        self.rest_length_of(self.batch_of(i), i)
+    }
+
+    fn rest_length_of(&self, batch: &StickBatch, i: usize) -> f32 {
         match &batch.sticks {
             BatchSticks::Grid { rest_length, .. } => *rest_length,
             BatchSticks::Listed(listed) => self.listed.rest_length(listed.first + i - batch.first),

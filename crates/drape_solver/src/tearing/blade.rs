@@ -74,6 +74,15 @@ impl Crossing {
 }
 
 impl Blade {
+    /// True if a face with these corners lies on one side of its plane, and it goes through none of them.
+    pub fn is_beside(&self, corners: [Vec3; 3]) -> bool {
+        let [p, q, r] = self.corners;
+        let normal = (q - p).cross(r - p);
+        let (heights, close) =
+            (corners.map(|corner| (corner.as_dvec3() - p).dot(normal)), self.snap * normal.length());
+        heights.iter().all(|&height| height > close) || heights.iter().all(|&height| height < -close)
+    }
+
     /// The ends of its way through an element; none if it misses.
     pub fn way(
         &self,

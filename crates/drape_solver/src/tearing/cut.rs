@@ -29,9 +29,9 @@ impl Body {
     /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
     pub fn cut(&mut self, blade: &[[Vec3; 3]]) -> Result<Option<Torn>, BuildError> {
         let (mut elements, mut cracks) = (Elements::of(&self.topology), Cracks::default());
-        let at = |particle: u32| self.particles.position(particle as usize);
+        let places: Vec<Vec3> = self.particles.positions().collect();
         let rest = |particle: u32| self.topology.rest[particle as usize];
-        Stroke::new(blade, self.topology.longest_edge).divide(&mut elements, at, rest, &mut cracks);
+        Stroke::new(blade, self.topology.longest_edge).divide(&mut elements, &places, rest, &mut cracks);
         if self.topology.faces.is_empty() {
             let links = self.topology.segments.iter();
             cracks.particles.extend(links.filter_map(|&link| self.end_at(link, blade)));

@@ -5,8 +5,6 @@
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
-use std::collections::BTreeMap;
-
 use glam::{DVec3, Vec3};
 
 use crate::state::face_part::{FacePart, Marks, beside_edge, integral};
@@ -23,8 +21,8 @@ pub(crate) struct Elements {
     faces: Vec<u32>,
     /// The polygons of those that are no whole face.
     parts: Vec<Option<Box<[Vec3]>>>,
-    /// Cuts that have not divided their elements.
-    marks: BTreeMap<usize, Marks>,
+    /// Cuts that have not divided their elements, of those that have any.
+    marks: Vec<Option<Box<Marks>>>,
 }
 
 impl Elements {
@@ -34,7 +32,7 @@ impl Elements {
             corners: topology.faces.clone(),
             faces: (0..count as u32).collect(),
             parts: vec![None; count],
-            marks: BTreeMap::new(),
+            marks: vec![None; count],
         };
         for part in &topology.parts {
             let face = part.face as usize;
@@ -45,7 +43,7 @@ impl Elements {
                 }
                 Some(_) => elements.push(face, part.corners.clone()),
             };
-            elements.marks.insert(element, part.marks.clone());
+            elements.marks[element] = Some(part.marks.clone().into());
         }
         elements
     }
@@ -55,6 +53,7 @@ impl Elements {
         self.corners.push(self.corners[element]);
         self.faces.push(self.faces[element]);
         self.parts.push(Some(polygon));
+        self.marks.push(None);
         self.corners.len() - 1
     }
 
@@ -77,6 +76,11 @@ impl Elements {
         self.parts[element].as_deref()
     }
 
+    /// True if it is a whole face without cuts.
+    pub fn is_whole(&self, element: usize) -> bool {
+        self.parts[element].is_none() && self.marks[element].is_none()
+    }
+
     /// An element as a part of face `face`, without the open stretches that are not shared with others; none if it is whole.
     pub fn face_part(
         &self,
@@ -84,7 +88,7 @@ impl Elements {
         face: u32,
         is_shared: impl Fn([Vec3; 2]) -> bool,
     ) -> Option<FacePart> {
-        let mut marks = self.marks.get(&element).cloned().unwrap_or_default();
+        let mut marks = self.marks[element].as_deref().cloned().unwrap_or_default();
         marks.open.retain(|&side| is_shared(side));
         let is_part = self.part(element).is_some_and(|part| part != WHOLE) || marks != Marks::default();
         is_part.then(|| FacePart { face, corners: self.polygon(element).into(), marks })
@@ -92,12 +96,13 @@ impl Elements {
 
     /// The open stretches of edges, by element.
     pub fn open(&self) -> impl Iterator<Item = (usize, &[[Vec3; 2]])> {
-        self.marks.iter().map(|(&element, marks)| (element, &*marks.open))
+        let marks = self.marks.iter().enumerate();
+        marks.filter_map(|(element, marks)| Some((element, &*marks.as_ref()?.open)))
     }
 
     /// Cuts that have not divided an element.
     pub fn marks(&mut self, element: usize) -> &mut Marks {
-        self.marks.entry(element).or_default()
+        self.marks[element].get_or_insert_default()
     }
 
     /// Divides an element, and returns the number of the other part. Both keep the marks of its edges.
@@ -115,7 +120,7 @@ impl Elements {
         let [low, high] = [a[0].max(b[0]), a[1].min(b[1])];
         let mut open = Vec::new();
         for element in elements {
-            let sides = self.marks.get(&element).into_iter().flat_map(|marks| &marks.open);
+            let sides = self.marks[element].iter().flat_map(|marks| &marks.open);
             open.extend(self.stretches(element, [p, q], sides.copied()));
         }
         open.sort_by(|a, b| a[0].total_cmp(&b[0]));

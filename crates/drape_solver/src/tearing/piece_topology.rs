@@ -11,7 +11,7 @@ use crate::error::BuildError;
 use crate::state::bends::Bends;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
-use crate::state::tethers::{TetherPlan, Tethers};
+use crate::state::tethers::Tethers;
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
 use crate::tearing::pieces::Rejoined;
@@ -28,7 +28,8 @@ pub(crate) struct PieceTopology<'a> {
     indices: Vec<u32>,
 }
 
-const ELSEWHERE: u32 = u32::MAX;
+/// Marks particles of other pieces.
+pub(crate) const ELSEWHERE: u32 = u32::MAX;
 
 impl<'a> PieceTopology<'a> {
     pub fn new(
@@ -185,8 +186,7 @@ impl<'a> PieceTopology<'a> {
             rest: self.rest(),
             ..Topology::default()
         };
-        let tethers = self.crossing.uncrossed(self.split, self.members, &self.indices);
-        topology.tethers = TetherPlan::new(&tethers, &topology.layout);
+        topology.tethers = self.crossing.uncrossed(self.split, self.members, &self.indices, &topology.layout);
         let Bends { rigidity, friction, .. } = self.old().bends;
         topology.bends = Bends::new(&topology, None, rigidity, friction);
         topology

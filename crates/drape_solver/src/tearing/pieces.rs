@@ -49,6 +49,9 @@ pub(crate) fn part(
 ) -> Result<Option<Parted>, BuildError> {
     let topology = Arc::clone(&body.topology);
     body.particles.arrange(&topology.layout);
+    if cracks.is_empty() {
+        return Ok(None);
+    }
     let Some(split) = Split::new(&topology, elements, cracks) else {
         return Ok(None);
     };
@@ -116,9 +119,9 @@ impl<'a> Rejoined<'a> {
     /// All sticks after the split; those away from cracks come first.
     pub fn sticks(&self) -> impl Iterator<Item = ([u32; 2], f32)> + '_ {
         let mut near_cracks = self.near_cracks.iter().peekable();
-        let unchanged = self.batch.range().filter(move |i| near_cracks.next_if_eq(&i).is_none());
-        let unchanged = unchanged.map(|i| (self.topology.stick(i), self.topology.rest_length(i)));
-        unchanged.chain(self.changed.iter().copied())
+        let all = self.batch.range().zip(self.topology.sticks_of(self.batch));
+        let unchanged = all.filter(move |(i, _)| near_cracks.next_if_eq(&i).is_none());
+        unchanged.map(|(_, stick)| stick).chain(self.changed.iter().copied())
     }
 }
 
@@ -127,7 +130,7 @@ fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
     let topology = split.adjacency.topology();
     if let BatchSticks::Grid { batch: grid, severed, .. } = &batch.sticks {
         // Searches a few slots instead of the whole grid.
-        let slots = split.near().map(|particle| topology.layout.slot(particle as usize));
+        let slots = split.near().iter().map(|&particle| topology.layout.slot(particle as usize));
         let mut sticks: Vec<usize> = slots.flat_map(|slot| grid.sticks_at(slot)).collect();
         sticks.sort_unstable();
         sticks.dedup();
@@ -144,13 +147,14 @@ fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
 /// The particles of each piece, in order; the piece with the most comes first.
 fn members(split: &Split, batches: &[Rejoined]) -> Vec<Vec<u32>> {
     let mut groups = Groups::new(split.origins.len());
-    let sides = split.corners().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
+    for &[a, b, c] in split.corners() {
+        groups.join(a, b);
+        groups.join(b, c);
+    }
     // Faces already join all that the sticks of a grid join.
     let others = batches.iter().filter(|batch| !matches!(batch.batch.sticks, BatchSticks::Grid { .. }));
     let sticks = others.flat_map(Rejoined::sticks).map(|(ends, _)| ends);
-    for [a, b] in sides.chain(sticks) {
-        groups.join(a, b);
-    }
+    sticks.for_each(|[a, b]| _ = groups.join(a, b));
     let mut pieces: Vec<Vec<u32>> = Vec::new();
     let mut piece_of = vec![usize::MAX; split.origins.len()];
     for particle in 0..split.origins.len() as u32 {

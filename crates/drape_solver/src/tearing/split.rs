@@ -43,6 +43,11 @@ impl Cracks {
         self.edges.insert([a.min(b), a.max(b)]);
     }
 
+    /// True if nothing separates, and no face has changed.
+    pub fn is_empty(&self) -> bool {
+        self.edges.is_empty() && self.particles.is_empty() && !self.has_changed
+    }
+
     /// The particles at the cracks, in order.
     fn touched(&self) -> BTreeSet<u32> {
         self.edges.iter().flatten().chain(&self.particles).copied().collect()
@@ -61,8 +66,9 @@ pub(crate) struct Split<'a> {
     pub shares: Vec<f32>,
     /// For each particle true if its place belongs to one of its faces: else it only carries parts of them.
     pub is_real: Vec<bool>,
-    /// For each particle true if its sticks may change.
+    /// For each particle true if its sticks may change, and those particles in order.
     is_near: Vec<bool>,
+    near: Vec<u32>,
 }
 
 impl<'a> Split<'a> {
@@ -70,29 +76,31 @@ impl<'a> Split<'a> {
     pub fn new(topology: &'a Topology, elements: &'a Elements, cracks: &Cracks) -> Option<Self> {
         let adjacency = Adjacency::of(topology, &elements.corners);
         let count = adjacency.topology().particle_count();
-        let all = |element: usize| match *adjacency.corners(element) {
-            [a, b, c] => [a, b, c],
-            [a, b] => [a, b, b],
-            _ => [0; 3],
+        let corners = if adjacency.has_faces() {
+            elements.corners.clone()
+        } else {
+            topology.segments.iter().map(|&[a, b]| [a, b, b]).collect()
         };
         let mut split = Self {
-            corners: (0..adjacency.len()).map(all).collect(),
+            corners,
             origins: (0..count as u32).collect(),
             shares: vec![1.0; count],
             is_real: vec![true; count],
             is_near: vec![false; count],
+            near: Vec::new(),
             adjacency,
             elements,
         };
         for particle in cracks.touched() {
             split.part(particle, cracks);
         }
+        split.near = (0..count as u32).filter(|&particle| split.is_near[particle as usize]).collect();
         (split.origins.len() > count || cracks.has_changed).then_some(split)
     }
 
     /// Gives each group of faces around a particle a particle of its own. The largest group keeps the particle.
     fn part(&mut self, particle: u32, cracks: &Cracks) {
-        let Self { adjacency, elements, corners, origins, shares, is_real, is_near } = self;
+        let Self { adjacency, elements, corners, origins, shares, is_real, is_near, .. } = self;
         let mut groups = groups_around(adjacency, elements, particle, cracks);
         for corner in adjacency.around(particle).flat_map(|element| adjacency.corners(element)) {
             is_near[*corner as usize] = true;
@@ -148,6 +156,10 @@ impl<'a> Split<'a> {
         let mut divided: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (element, &corners) in self.corners.iter().enumerate() {
             let Some(corners) = own(corners) else { continue };
+            if self.elements.is_whole(element) {
+                faces.push(corners);
+                continue;
+            }
             let is_shared = |side: [Vec3; 2]| {
                 edge_by(self.corners[element], side).is_some_and(|edge| shared.get(&edge) > Some(&1))
             };
@@ -176,10 +188,11 @@ impl<'a> Split<'a> {
             let edges = sides.iter().filter_map(|&side| edge_by(self.corners[element], side));
             count.extend(edges.map(|edge| (edge, 0)));
         }
-        let ends: BTreeSet<u32> = count.keys().flatten().copied().collect();
-        for &[a, b, c] in self.corners.iter().filter(|_| !ends.is_empty()) {
+        let mut is_end = vec![false; self.origins.len()];
+        count.keys().flatten().for_each(|&end| is_end[end as usize] = true);
+        for &[a, b, c] in if count.is_empty() { &[] } else { &*self.corners } {
             for [p, q] in [[a, b], [b, c], [c, a]] {
-                if ends.contains(&p)
+                if is_end[p as usize]
                     && let Some(count) = count.get_mut(&[p.min(q), p.max(q)])
                 {
                     *count += 1;
@@ -201,8 +214,8 @@ impl<'a> Split<'a> {
     }
 
     /// The particles near cracks, in order.
-    pub fn near(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.is_near.len() as u32).filter(|&particle| self.is_near[particle as usize])
+    pub fn near(&self) -> &[u32] {
+        &self.near
     }
 
     /// True if the split may change a stick between these particles.

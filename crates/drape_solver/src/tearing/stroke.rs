@@ -13,7 +13,7 @@
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::{Vec2, Vec3};
 
@@ -50,20 +50,32 @@ impl Stroke {
         }
     }
 
-    /// Divides the elements that the blade passes through, and notes around which particles the body may separate.
+    /// Divides the elements that the blade passes through, and notes around which particles the body may separate. Particles are at
+    /// these `places` in the world.
     pub fn divide(
         &self,
         elements: &mut Elements,
-        at: impl Fn(u32) -> Vec3 + Copy,
+        places: &[Vec3],
         rest: impl Fn(u32) -> Vec3 + Copy,
         cracks: &mut Cracks,
     ) {
+        let at = |particle: u32| places[particle as usize];
         let mut cut = Cut { stroke: self, elements, at, rest, cracks, points: EdgePoints::default() };
+        // The sides of the box around the whole blade beyond which each particle is.
+        let [low, high] = (self.bounds.iter())
+            .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], [p, q]| [a.min(*p), b.max(*q)]);
+        let sides = |place: &Vec3| place.cmplt(low).bitmask() | place.cmpgt(high).bitmask() << 3;
+        let beyond: Vec<u32> = places.iter().map(sides).collect();
         for element in 0..cut.elements.len() {
-            let [from, to] = bounds(cut.elements.corners[element].map(at));
+            let corners = cut.elements.corners[element];
+            if corners.iter().fold(u32::MAX, |all, &corner| all & beyond[corner as usize]) != 0 {
+                continue;
+            }
+            let [from, to] = bounds(corners.map(at));
             let meets = |&triangle: &usize| {
                 let [low, high] = self.bounds[triangle];
-                from.cmple(high).all() && to.cmpge(low).all()
+                let is_near = from.cmple(high).all() && to.cmpge(low).all();
+                is_near && !self.triangles[triangle].is_beside(corners.map(at))
             };
             let near: Vec<usize> = (0..self.triangles.len()).filter(meets).collect();
             if !near.is_empty() {
@@ -346,10 +358,12 @@ impl EdgePoints {
 
     /// Makes them corners of the elements on both sides of their edges, so that those that the stroke has not divided leave no gap.
     fn insert_into(self, elements: &mut Elements) {
-        let ends: BTreeSet<u32> = self.0.keys().flatten().copied().collect();
+        let count = self.0.keys().map(|edge| edge[1] as usize + 1).max().unwrap_or(0);
+        let mut is_end = vec![false; count];
+        self.0.keys().flatten().for_each(|&end| is_end[end as usize] = true);
         for element in 0..elements.len() {
             let corners = elements.corners[element];
-            if corners.iter().filter(|corner| ends.contains(corner)).count() < 2 {
+            if corners.iter().filter(|&&corner| is_end.get(corner as usize) == Some(&true)).count() < 2 {
                 continue;
             }
             for low in 0..3 {

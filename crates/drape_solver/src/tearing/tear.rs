@@ -21,7 +21,7 @@ use crate::build::adjacency::Adjacency;
 use crate::constraint::strain::greatest_stretch;
 use crate::error::BuildError;
 use crate::state::body::Body;
-use crate::state::topology::{StickBound, StickKind};
+use crate::state::topology::{StickBatch, StickBound, StickKind};
 use crate::tearing::elements::Elements;
 use crate::tearing::pieces::{self, Piece};
 use crate::tearing::split::Cracks;
@@ -84,14 +84,16 @@ impl Body {
             return Ok(None);
         }
         let mut stretched = Vec::new();
-        for batch in self.topology.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural)
-        {
-            // A stick that only keeps its ends apart cannot be too long.
-            let is_cord = batch.material.bound != StickBound::AtLeast;
-            for stick in batch.range().filter(|_| is_cord).map(|i| self.torn_stick(i)) {
-                let strain = stick.length / stick.rest_length - 1.0;
+        let places: Vec<Vec3> = self.particles.local_positions().collect();
+        // A stick that only keeps its ends apart cannot be too long.
+        let may_tear = |batch: &&StickBatch| {
+            batch.material.kind == StickKind::Structural && batch.material.bound != StickBound::AtLeast
+        };
+        for batch in self.topology.batches.iter().filter(may_tear) {
+            for (i, ([a, b], rest_length)) in batch.range().zip(self.topology.sticks_of(batch)) {
+                let strain = places[a as usize].distance(places[b as usize]) / rest_length - 1.0;
                 if strain > limits.strain {
-                    stretched.push((strain, stick));
+                    stretched.push((strain, self.torn_stick(i)));
                 }
             }
         }
