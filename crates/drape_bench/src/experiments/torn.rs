@@ -7,13 +7,16 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BodySettings, BuildError, ClothBuilder, Environment, Island, StepError, TearLimits, step,
+    Body, BodySettings, BuildError, ClothBuilder, Environment, Island, StepError, TearLimits, Torn, step,
 };
 
 use crate::measure::median::{in_turns, median_us};
 
 /// Steps before the cuts are made.
 const SETTLING: u32 = 60;
+
+/// Number of times that each tear is timed.
+const TIMED: u32 = 15;
 
 /// Arguments of `torn`.
 #[derive(Args, Clone, Debug)]
@@ -29,8 +32,19 @@ pub struct TornArguments {
 /// A way to tear a cloth of 1 m x 1 m that hangs by its upper corners from (0, 0, 0) and (1, 0, 0).
 type Tear = fn(&mut Body) -> Result<Vec<Body>, BuildError>;
 
-const TEARS: [(&str, Tear); 5] = [
+const TEARS: [(&str, Tear); 7] = [
     ("whole", |_| Ok(Vec::new())),
+    ("a tear in the middle", |body| {
+        let middle = body.particles.len() / 2 + 4;
+        for particle in middle..middle + 3 {
+            let place = body.particles.position(particle);
+            body.particles.set_position(particle, place + Vec3::Y * 0.02);
+        }
+        Ok(bodies(body.tear(&TearLimits::default())?))
+    }),
+    ("a slit of a tenth of the side", |body| {
+        cut(body, Vec3::new(0.4, -0.4, 0.0), Vec3::new(0.47, -0.47, 0.0))
+    }),
     ("a cut from the edge to the middle", |body| {
         cut(body, Vec3::new(0.5, -2.0, 0.0), Vec3::new(0.5, -0.5, 0.0))
     }),
@@ -58,12 +72,18 @@ pub fn report(cuts: &TornArguments) -> Result<(), Box<dyn Error>> {
     let mut islands = Vec::new();
     let mut tearing = Vec::new();
     for (_, tear) in TEARS {
-        let mut island = start.clone();
-        let began = Instant::now();
-        let pieces = tear(&mut island.bodies[0])?;
-        tearing.push(began.elapsed().as_secs_f64() * 1e3);
-        island.bodies.extend(pieces);
-        islands.push(island);
+        let mut times = Vec::new();
+        let mut torn = start.clone();
+        for _ in 0..TIMED {
+            let mut island = start.clone();
+            let began = Instant::now();
+            let pieces = tear(&mut island.bodies[0])?;
+            times.push(began.elapsed());
+            island.bodies.extend(pieces);
+            torn = island;
+        }
+        tearing.push(median_us(times) * 1e-3);
+        islands.push(torn);
     }
     let split: Vec<usize> = islands
         .iter()
@@ -100,7 +120,12 @@ fn curtain(n: u32) -> Result<Body, BuildError> {
 fn cut(body: &mut Body, from: Vec3, to: Vec3) -> Result<Vec<Body>, BuildError> {
     let wide = Vec3::Z * 3.0;
     let torn = body.cut(&[[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]])?;
-    Ok(torn.into_iter().flat_map(|torn| torn.pieces).map(|piece| piece.body).collect())
+    Ok(bodies(torn))
+}
+
+/// The bodies that have come off.
+fn bodies(torn: Option<Torn>) -> Vec<Body> {
+    torn.into_iter().flat_map(|torn| torn.pieces).map(|piece| piece.body).collect()
 }
 
 /// Median time in microseconds of checking a body in which nothing tears.

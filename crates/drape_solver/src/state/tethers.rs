@@ -210,10 +210,10 @@ impl TetherPlan {
             let own = &mut places[own[0]..own[1]];
             // Stable: the nearest pin of each particle stays the first.
             own.sort_by_key(|tether| tether.particle);
-            for (length, anchor) in ties_of_cell(own) {
+            pack(own, |length, anchor| {
                 let anchor = plan.place_of(anchor);
                 plan.ties.push(Tie { length, anchor });
-            }
+            });
         }
         plan.first.push(plan.ties.len() as u32);
         plan
@@ -284,30 +284,29 @@ struct CellTether {
 }
 
 /// Packs the tethers of one cell into as few ties as their pins allow.
-fn ties_of_cell(tethers: &[CellTether]) -> Vec<([f32; LANES], Anchor)> {
+fn pack(mut tethers: &mut [CellTether], mut tie: impl FnMut([f32; LANES], Anchor)) {
     const ALL: u32 = LANES as u32;
-    let mut ties = Vec::new();
-    let mut rest = tethers.to_vec();
-    while let Some(&CellTether { lane, pin, .. }) = rest.first() {
+    while let Some(&CellTether { lane, pin, .. }) = tethers.first() {
         let shares_pin = |tether: &CellTether| tether.pin == pin;
         let is_aligned = |tether: &CellTether| {
             pin % ALL == lane && tether.pin / ALL == pin / ALL && tether.pin % ALL == tether.lane
         };
-        let (shared, aligned) = rest.iter().fold((0, 0), |(shared, aligned), tether| {
+        let (shared, aligned) = tethers.iter().fold((0, 0), |(shared, aligned), tether| {
             (shared + u32::from(shares_pin(tether)), aligned + u32::from(is_aligned(tether)))
         });
-        let mut length = [f32::INFINITY; LANES];
-        rest.retain(|tether| {
-            let is_in = if aligned > shared { is_aligned(tether) } else { shares_pin(tether) };
-            if is_in {
+        let (mut length, mut left) = ([f32::INFINITY; LANES], 0);
+        for place in 0..tethers.len() {
+            let tether = tethers[place];
+            if if aligned > shared { is_aligned(&tether) } else { shares_pin(&tether) } {
                 length[tether.lane as usize] = tether.length;
+            } else {
+                tethers[left] = tether;
+                left += 1;
             }
-            !is_in
-        });
-        let anchor = if aligned > shared { Anchor::Cell(pin / ALL) } else { Anchor::Slot(pin) };
-        ties.push((length, anchor));
+        }
+        tie(length, if aligned > shared { Anchor::Cell(pin / ALL) } else { Anchor::Slot(pin) });
+        tethers = &mut tethers[..left];
     }
-    ties
 }
 
 fn by_distance(a: &(f32, u32, u32), b: &(f32, u32, u32)) -> Ordering {
