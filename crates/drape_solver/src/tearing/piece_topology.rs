@@ -26,6 +26,8 @@ pub(crate) struct PieceTopology<'a> {
     members: &'a [u32],
     /// The index in the piece of each particle of the split body; [`ELSEWHERE`] for particles of other pieces.
     indices: Vec<u32>,
+    /// For each particle of the body before, the slot of the grid that it had when the body was built.
+    homes: Vec<u32>,
 }
 
 /// Marks particles of other pieces.
@@ -42,7 +44,11 @@ impl<'a> PieceTopology<'a> {
         for (index, &member) in members.iter().enumerate() {
             indices[member as usize] = index as u32;
         }
-        Self { split, batches, crossing, members, indices }
+        let homes = match &split.adjacency.topology().layout {
+            Layout::Torn(torn) => (0..torn.count()).map(|index| torn.home(index)).collect(),
+            layout => layout.slots().map(|slot| slot as u32).collect(),
+        };
+        Self { split, batches, crossing, members, indices, homes }
     }
 
     fn old(&self) -> &'a Topology {
@@ -70,10 +76,7 @@ impl<'a> PieceTopology<'a> {
 
     /// The slot that a particle had in the old grid when the body was built.
     fn home(&self, member: u32) -> u32 {
-        match &self.old().layout {
-            Layout::Torn(torn) => torn.home(self.origin(member)),
-            layout => layout.slot(self.origin(member)) as u32,
-        }
+        self.homes[self.origin(member)]
     }
 
     /// The topology of a body with cracks that is still one piece. A grid keeps its slots, and only sticks near the cracks

@@ -184,9 +184,10 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
     particles.position.reset(cells);
     particles.displacement.reset(cells);
     particles.force.reset(if whole.force.is_empty() { 0 } else { cells });
+    let slots_before: Vec<usize> = whole.layout.slots().collect();
+    let from = |member: u32| slots_before[split.origins[member as usize] as usize];
     for (index, &member) in members.iter().enumerate() {
-        let origin = split.origins[member as usize] as usize;
-        let [to, from] = [layout.slot(index), whole.layout.slot(origin)];
+        let [to, from] = [layout.slot(index), from(member)];
         particles.position.set(to, whole.position.get(from));
         particles.displacement.set(to, whole.displacement.get(from));
         let share = split.shares[member as usize];
@@ -202,10 +203,7 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         let targets = whole.pin_targets.iter().filter(|&&(slot, _)| slot as usize == from && !is_freed);
         particles.pin_targets.extend(targets.map(|&(_, target)| (to as u32, target)));
     }
-    let slots = members.iter().enumerate().map(|(index, &member)| {
-        let origin = split.origins[member as usize] as usize;
-        (whole.layout.slot(origin), layout.slot(index))
-    });
+    let slots = members.iter().enumerate().map(|(index, &member)| (from(member), layout.slot(index)));
     particles.pose = whole.pose.picked(cells, slots.clone());
     if layout.is_torn() {
         particles.plastic = whole.plastic.picked(layout, slots.map(|(from, to)| [from, to]));
