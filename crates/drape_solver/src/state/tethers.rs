@@ -16,10 +16,10 @@ use crate::simd::columns::LANES;
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
 
-/// The tethers of a body: up to [`MAX_TETHERS`] for each particle, nearest pin first.
+/// The tethers of a body: up to [`MAX_TETHERS`] for each particle, in the order of their projection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tethers {
-    /// Particle that each tether holds; ascending.
+    /// Particle that each tether holds.
     particle: Vec<u32>,
     pin: Vec<u32>,
     length: Vec<f32>,
@@ -127,7 +127,7 @@ impl Tethers {
         self.particle.iter().chain(&self.pin).copied().max()
     }
 
-    /// Tethers from (particle, pin, length in metres), of each particle that of the nearest pin first.
+    /// Tethers from (particle, pin, length in metres), those of each particle in the order of their projection.
     pub(crate) fn from_list(list: impl IntoIterator<Item = (u32, u32, f32)>) -> Self {
         let mut tethers = Self::default();
         list.into_iter().for_each(|(particle, pin, length)| tethers.push(particle, pin, length));
@@ -180,11 +180,11 @@ impl Anchor {
 
 impl TetherPlan {
     pub fn new(tethers: &Tethers, layout: &Layout) -> Self {
-        Self::default().changed(&[], tethers, layout)
+        Self::default().repacked(&[], tethers, layout)
     }
 
     /// The plan with the present ties of those cells that are `kept`, and with these `tethers` of all others.
-    pub fn changed(&self, kept: &[bool], tethers: &Tethers, layout: &Layout) -> Self {
+    pub fn repacked(&self, kept: &[bool], tethers: &Tethers, layout: &Layout) -> Self {
         // Sorted by cells, of which each has few.
         let mut first = vec![0; layout.cells() + 1];
         let slot = |particle: u32| layout.slot(particle as usize);
@@ -208,7 +208,7 @@ impl TetherPlan {
                 continue;
             }
             let own = &mut places[own[0]..own[1]];
-            // Stable: the nearest pin of each particle stays the first.
+            // Stable: those of one particle stay in order.
             own.sort_by_key(|tether| tether.particle);
             pack(own, |length, anchor| {
                 let anchor = plan.place_of(anchor);

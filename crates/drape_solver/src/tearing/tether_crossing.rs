@@ -78,9 +78,10 @@ impl TetherCrossing {
             return false;
         }
         // Counts a touch as a crossing: one tether fewer does no harm.
-        self.lines
-            .iter()
-            .any(|&[a, b]| side(p, q, a) * side(p, q, b) <= 0.0 && side(a, b, p) * side(a, b, q) <= 0.0)
+        self.lines.iter().any(|&[a, b]| {
+            let meet = p.min(q).cmple(a.max(b)).all() && a.min(b).cmple(p.max(q)).all();
+            meet && side(p, q, a) * side(p, q, b) <= 0.0 && side(a, b, p) * side(a, b, q) <= 0.0
+        })
     }
 
     /// The tethers of a piece that no crack crosses, for particles in this `layout`. `indices` has the index in the piece of each of its
@@ -110,8 +111,8 @@ impl TetherCrossing {
             slots[slot] = (particle, stays && !has_copies[particle as usize]);
         }
         let mut changed = Vec::new();
-        let mut is_kept = vec![false; layout.cells()];
-        for (cell, is_kept) in is_kept.iter_mut().enumerate().take(old.cells()) {
+        let mut kept = Vec::new();
+        for cell in 0..old.cells() {
             let (begun, mut is_same) = (changed.len(), true);
             for (slot, pin, length) in plan.of_cell(cell) {
                 let [(particle, stays), (pin, pin_stays)] = [slots[slot], slots[pin]];
@@ -136,11 +137,14 @@ impl TetherCrossing {
                     }
                 }
             }
+            // Particles that stay have their cell in the new layout, too.
             if is_same && changed.len() > begun {
-                *is_kept = true;
+                kept.push(cell);
                 changed.truncate(begun);
             }
         }
+        let mut is_kept = vec![false; layout.cells()];
+        kept.into_iter().for_each(|cell| is_kept[cell] = true);
         // A copy may come into the cell of copies of an earlier tear.
         for place in 0..changed.len() {
             let cell = layout.slot(changed[place].0 as usize) / LANES;
@@ -150,7 +154,7 @@ impl TetherCrossing {
                     .extend(plan.of_cell(cell).map(|(slot, pin, length)| (index(slot), index(pin), length)));
             }
         }
-        plan.changed(&is_kept, &Tethers::from_list(changed), layout)
+        plan.repacked(&is_kept, &Tethers::from_list(changed), layout)
     }
 }
 

@@ -174,6 +174,9 @@ impl Opened {
     /// Checks all but arrangement and sticks.
     fn validate(&self) -> Result<(), BuildError> {
         let count = self.rest.len();
+        if count == 0 {
+            return Err(BuildError::BadTopology { reason: "it has no particles" });
+        }
         if count as u64 > MAX_PARTICLES {
             return Err(BuildError::TooManyParticles { found: count as u64, limit: MAX_PARTICLES });
         }
@@ -217,7 +220,9 @@ impl Arrangement {
                     let [column, row] = grid.place(home as usize);
                     column < columns && row < rows && grid.slot(column, row) == home as usize
                 };
-                if homes.len() == count && homes.iter().all(is_place) {
+                // Pieces that fill less of a grid are lists of sticks.
+                let is_filled = 2 * homes.len() >= columns * rows;
+                if is_filled && homes.len() == count && homes.iter().all(is_place) {
                     Ok(Layout::Torn(Arc::new(TornGrid::new(grid, homes.clone()))))
                 } else {
                     Err(BuildError::BadTopology { reason: "a particle has no place in its torn grid" })
@@ -226,6 +231,9 @@ impl Arrangement {
         }
     }
 }
+
+/// The most by which weights lie out of their range.
+const ROUNDING: f32 = 1e-5;
 
 /// Adds a batch of sticks behind the others.
 fn add_batch(
@@ -265,6 +273,9 @@ fn add_batch(
     };
     let severed = if let BatchSticks::Grid { severed, .. } = &sticks { severed.len() } else { 0 };
     let (first, count) = (topology.stick_count, count - severed);
+    if count == 0 {
+        return Err(BuildError::BadTopology { reason: "a batch has no sticks" });
+    }
     topology.batches.push(StickBatch { material, first, count, sticks });
     topology.stick_count += count;
     Ok(())
@@ -329,7 +340,8 @@ impl PlainPart {
         let Self(face, corners, entries, open) = self;
         let points = || corners.iter().chain(entries.as_flattened()).chain(open.as_flattened());
         for &weight in points().flatten() {
-            in_range("weight of a corner", weight, 0.0, 1.0)?;
+            // The end of a blade may lie beside its face by rounding.
+            in_range("weight of a corner", weight, -ROUNDING, 1.0 + ROUNDING)?;
         }
         if *face as usize >= count || corners.len() < 3 {
             return Err(BuildError::BadTopology { reason: "a part belongs to no face" });

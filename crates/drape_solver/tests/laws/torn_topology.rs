@@ -115,3 +115,24 @@ fn what_tears_and_cuts_make_comes_back_from_its_numbers() {
     println!("law: {changes} changes, {pieces} pieces");
     assert!(changes > 150 && pieces > 100);
 }
+
+/// A blade along a row of a flat sheet that ends in the middle of an edge: its end lies beside the faces by rounding, and the numbers
+/// were refused.
+#[test]
+fn an_end_beside_a_face_by_rounding_comes_back() {
+    for (columns, rows) in [(40, 33), (20, 17), (9, 7), (3, 4)] {
+        for (row, part) in [(1, 0.31), (2, 0.5), (2, 0.77)] {
+            for lean in [0.0, 0.2, -0.37, 0.9] {
+                let mut body = sheet(columns, rows, false);
+                let whole = body.topology.clone();
+                let y = whole.rest_position((row * columns) as usize).y;
+                let place = |x: f32| Vec3::new(x, y, 0.0);
+                let (from, to) = (place(-0.7), place(-0.5 + (1.0 + part) / (columns - 1) as f32));
+                let wide = Vec3::new(0.0, lean, 1.0);
+                let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
+                body.cut(&blade).expect("can be cut");
+                assert_comes_back(&body, &whole);
+            }
+        }
+    }
+}
