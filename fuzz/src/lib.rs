@@ -21,7 +21,7 @@ pub fn world() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, DrapePlugins::default()))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    app.world_mut().spawn(Cloth::new(1.0, 1.0).with_particles(4, 4));
+    app.world_mut().spawn(Cloth::new(1.0, 1.0).with_particles(16, 9).with_pins(ClothPins::TopCorners));
     app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 0.0, 1.0)));
     app.world_mut().spawn((Obstacle::ground(), Transform::from_xyz(0.0, -2.0, 0.0)));
     app.update();

@@ -156,6 +156,37 @@ fn a_torn_body_that_rested_rests_again() {
     assert_eq!((state(&mut app), activities(&mut app)), (then, how));
 }
 
+/// A curtain that hung asleep before it was cut sleeps again: the piece that vanished beside it woke it.
+#[test]
+fn what_rested_before_a_cut_rests_again() {
+    let mut app = app();
+    let cloth = app.world_mut().spawn((curtain(), quiet())).id();
+    settle(&mut app, cloth);
+    let saved = Snapshot::take(app.world_mut());
+    step(&mut app, 10);
+    let then = state(&mut app);
+    cut(&mut app, -0.1, [-2.0, 2.0]);
+    step(&mut app, 3);
+    assert_eq!(state(&mut app).0.len(), 2);
+    saved.restore(app.world_mut()).expect("of this world");
+    step(&mut app, 10);
+    assert_eq!((state(&mut app), activity(&app, cloth)), (then, Activity::Resting));
+}
+
+/// A torn cloth that was built anew has another number: what is left of the old one does not become it.
+#[test]
+fn a_piece_does_not_stand_in_for_its_cloth() {
+    let mut app = cut_app();
+    play(&mut app, 0, 12);
+    let saved = Snapshot::take(app.world_mut());
+    let cloth = entity_of(&mut app, Key::Body(1));
+    get_mut::<Cloth>(&mut app, cloth).particles = UVec2::splat(7);
+    step(&mut app, 1);
+    let before = state(&mut app);
+    assert_eq!(saved.restore(app.world_mut()), Err(SnapshotError::Missing(Key::Body(1))));
+    assert_eq!(state(&mut app), before);
+}
+
 /// Ties hold the particles that they held, before and after a cut.
 #[test]
 fn ties_go_back_across_cuts() {

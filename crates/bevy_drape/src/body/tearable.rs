@@ -54,11 +54,7 @@ pub(crate) struct Untearable;
 
 /// Marks a body that has become whole, or torn otherwise, other than by a tear: its mesh is made anew. Removed then.
 #[derive(Component, Clone, Copy, Debug)]
-#[cfg_attr(not(feature = "mesh"), expect(dead_code, reason = "there are no meshes"))]
-pub(crate) struct RestoredMesh {
-    /// An entity with the mesh of the whole body, unless it has that itself.
-    pub whole: Entity,
-}
+pub(crate) struct RestoredMesh;
 
 /// Origin of the vertices of a torn body's mesh. Removed once the new mesh is made.
 #[derive(Component, Clone, Debug)]

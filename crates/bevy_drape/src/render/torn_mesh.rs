@@ -11,7 +11,6 @@ use drape_solver::Topology;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::{RestoredMesh, TornMesh};
-use crate::body::torn_from::TornFrom;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::attributes::indices;
 use crate::render::cut_vertices::{DrawnTriangles, blend_attributes};
@@ -22,33 +21,52 @@ use crate::render::vertex_map::TornVertices;
 
 /// The mesh of a body before its first tear. The body and its pieces keep it, as a snapshot may make them whole again.
 #[derive(Component, Clone)]
-pub(crate) struct WholeMesh(Arc<Shown>);
+pub(crate) struct WholeMesh(Arc<ShownMesh>);
 
 /// A mesh, and how it shows a body.
 #[derive(Clone)]
-struct Shown {
+struct ShownMesh {
     mesh: Mesh,
     is_flat: bool,
     surface: Surface,
     welded: Option<WeldedVertices>,
 }
 
-impl Shown {
-    /// The mesh that an entity has.
-    fn of(entity: Entity, bodies: &ShownBodies, meshes: &Assets<Mesh>) -> Option<Self> {
+/// A mesh that an entity has, and how it shows a body.
+#[derive(Clone, Copy)]
+struct Showing<'a> {
+    mesh: &'a Mesh,
+    is_flat: bool,
+    surface: &'a Surface,
+    welded: Option<&'a WeldedVertices>,
+}
+
+impl ShownMesh {
+    fn showing(&self) -> Showing<'_> {
+        let Self { mesh, is_flat, surface, welded } = self;
+        Showing { mesh, is_flat: *is_flat, surface, welded: welded.as_ref() }
+    }
+}
+
+impl<'a> Showing<'a> {
+    fn of(entity: Entity, bodies: &'a ShownBodies, meshes: &'a Assets<Mesh>) -> Option<Self> {
         let (mesh, surface, welded) = bodies.get(entity).ok()?;
-        let (is_flat, mesh) = (mesh.1.is_some(), meshes.get(handle_of(mesh)?)?.clone());
-        Some(Self { mesh, is_flat, surface: surface.clone(), welded: welded.cloned() })
+        let (is_flat, mesh) = (mesh.1.is_some(), meshes.get(handle_of(mesh)?)?);
+        Some(Self { mesh, is_flat, surface, welded })
     }
 
-    /// True if it shows a body as it was before its first tear.
-    fn is_whole(&self, torn_from: Option<&TornFrom>) -> bool {
-        let topology = &self.surface.topology;
-        torn_from.is_some_and(|torn_from| Arc::ptr_eq(&torn_from.whole.topology, topology))
+    fn cloned(self) -> ShownMesh {
+        let Self { mesh, is_flat, surface, welded } = self;
+        ShownMesh { mesh: mesh.clone(), is_flat, surface: surface.clone(), welded: welded.cloned() }
+    }
+
+    /// True if it shows a body with this topology.
+    fn has(self, topology: &Arc<Topology>) -> bool {
+        Arc::ptr_eq(&self.surface.topology, topology)
     }
 
     /// The mesh of a piece of the body, whose particles have these origins; none if a vertex or the data are missing.
-    fn torn(&self, origins: &[u32], topology: &Arc<Topology>) -> Option<Self> {
+    fn torn(self, origins: &[u32], topology: &Arc<Topology>) -> Option<ShownMesh> {
         let vertices = self.surface.welded().map(|vertices| vertices.torn(origins, topology));
         let (from, drawn) = match &vertices {
             Some(TornVertices { map, origins }) => {
@@ -59,14 +77,14 @@ impl Shown {
                 (origins, DrawnTriangles::new(topology, topology.faces(), origins.len(), |vertex| vertex))
             }
         };
-        let mesh = torn_mesh(&self.mesh, from, &drawn)?;
+        let mesh = torn_mesh(self.mesh, from, &drawn)?;
         let welded = vertices.as_ref().map(|TornVertices { map, .. }| {
             let particles = map.particles.iter().copied();
             WeldedVertices::torn(particles.chain(drawn.cut.iter().map(|_| None)).collect())
         });
         let vertices = vertices.map(|vertices| vertices.map);
         let surface = self.surface.torn(origins, topology, vertices, drawn.cut)?;
-        Some(Self { mesh, is_flat: self.is_flat, surface, welded })
+        Some(ShownMesh { mesh, is_flat: self.is_flat, surface, welded })
     }
 }
 
@@ -75,13 +93,13 @@ struct Made {
     entity: Entity,
     /// The asset that it replaces; none for a new piece.
     handle: Option<Handle<Mesh>>,
-    shown: Shown,
+    shown: ShownMesh,
     bounds: Aabb,
 }
 
 impl Made {
     fn put(self, commands: &mut Commands, meshes: &mut Assets<Mesh>) {
-        let Self { entity, handle, shown: Shown { mesh, is_flat, mut surface, welded }, bounds } = self;
+        let Self { entity, handle, shown: ShownMesh { mesh, is_flat, mut surface, welded }, bounds } = self;
         let handle = match handle {
             Some(handle) => {
                 if let Some(mut known) = meshes.get_mut(&handle) {
@@ -107,26 +125,25 @@ type ShownBodies<'w, 's> = Query<'w, 's, (AnyMesh, &'static Surface, Option<&'st
 /// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(
     mut commands: Commands,
-    torn: Query<(Entity, &TornMesh, &Sticks, &BodyState, &GlobalTransform, Has<WholeMesh>)>,
+    torn: Query<(Entity, &TornMesh, &Sticks, &BodyState, &GlobalTransform)>,
     bodies: ShownBodies,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     // All meshes are made before the first one is replaced, since others are made from it.
     let mut made = Vec::new();
-    let mut sources: Vec<(Entity, Option<Arc<Shown>>)> = Vec::new();
-    for (entity, TornMesh { source, origins }, sticks, state, transform, knows_whole) in &torn {
+    let mut wholes: Vec<(Entity, WholeMesh)> = Vec::new();
+    for (entity, TornMesh { source, origins }, sticks, state, transform) in &torn {
         commands.entity(entity).remove::<TornMesh>();
-        let place = sources.iter().position(|(known, _)| known == source).unwrap_or_else(|| {
-            sources.push((*source, Shown::of(*source, &bodies, &meshes).map(Arc::new)));
-            sources.len() - 1
-        });
-        let Some(before) = &sources[place].1 else { continue };
+        let Some(before) = Showing::of(*source, &bodies, &meshes) else { continue };
         if origins.len() != sticks.particle_count() {
             continue;
         }
         let Some(mut shown) = before.torn(origins, &sticks.0) else { continue };
-        if !knows_whole && before.is_whole(state.torn_from.as_ref()) {
-            commands.entity(entity).insert(WholeMesh(Arc::clone(before)));
+        if state.torn_from.as_ref().is_some_and(|torn_from| before.has(&torn_from.whole.topology)) {
+            let known = wholes.iter().find(|(of, _)| of == source).map(|(_, whole)| whole.clone());
+            let whole = known.unwrap_or_else(|| WholeMesh(before.cloned().into()));
+            wholes.push((*source, whole.clone()));
+            commands.entity(entity).insert(whole);
         }
         let bounds = shown.surface.write_now(&mut shown.mesh, transform).unwrap_or_default();
         let handle = if *source == entity { mesh_of(entity, &bodies) } else { None };
@@ -139,36 +156,63 @@ fn mesh_of(entity: Entity, bodies: &ShownBodies) -> Option<Handle<Mesh>> {
     handle_of(bodies.get(entity).ok()?.0).cloned()
 }
 
+/// Has an entity keep its mesh as that of the whole body, if it shows a body with this topology.
+pub(crate) fn keep_whole_mesh(world: &mut World, entity: Entity, whole: &Arc<Topology>) {
+    let entity_of = world.entity(entity);
+    let Some(meshes) = world.get_resource::<Assets<Mesh>>() else { return };
+    let Some(surface) = entity_of.get::<Surface>() else { return };
+    let mesh = (entity_of.get::<Mesh3d>(), entity_of.get::<Mesh2d>());
+    let is_flat = mesh.1.is_some();
+    let Some(mesh) = handle_of(mesh).and_then(|handle| meshes.get(handle)) else { return };
+    let showing = Showing { mesh, is_flat, surface, welded: entity_of.get() };
+    if showing.has(whole) {
+        let whole = WholeMesh(showing.cloned().into());
+        world.entity_mut(entity).insert(whole);
+    }
+}
+
 /// Gives bodies that a snapshot has made whole, or torn otherwise, the meshes that they had.
 pub(crate) fn restore_meshes(
     mut commands: Commands,
-    restored: Query<(Entity, &RestoredMesh, &Particles, &Sticks, &BodyState, &GlobalTransform)>,
-    wholes: Query<&WholeMesh>,
+    restored: Query<
+        (Entity, &Particles, &Sticks, &BodyState, &GlobalTransform, Option<&WholeMesh>),
+        With<RestoredMesh>,
+    >,
     bodies: ShownBodies,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     let mut made = Vec::new();
-    for (entity, &RestoredMesh { whole }, particles, sticks, state, transform) in &restored {
-        commands.entity(entity).remove::<(RestoredMesh, TornMesh, WholeMesh, RopeSurface)>();
-        let torn_from = state.torn_from.as_ref();
-        let known = [entity, whole].iter().find_map(|&entity| wholes.get(entity).ok()).cloned();
-        let still_whole = || Shown::of(whole, &bodies, &meshes).filter(|shown| shown.is_whole(torn_from));
-        let Some(whole) = known.or_else(|| Some(WholeMesh(still_whole()?.into()))) else { continue };
-        let shown = match torn_from {
-            Some(torn_from) => whole.0.torn(&torn_from.origins, &sticks.0),
-            None => Some(Shown::clone(&whole.0)),
+    for (entity, particles, sticks, state, transform, own) in &restored {
+        commands.entity(entity).remove::<(RestoredMesh, TornMesh, RopeSurface)>();
+        let Some(torn_from) = &state.torn_from else {
+            // Without a whole mesh, its own is that still.
+            commands.entity(entity).remove::<WholeMesh>();
+            made.extend(
+                own.map(|WholeMesh(whole)| (entity, particles, sticks, transform, ShownMesh::clone(whole))),
+            );
+            continue;
         };
-        let Some(mut shown) = shown else { continue };
-        if torn_from.is_some() {
-            commands.entity(entity).insert(whole);
-        }
-        if Arc::ptr_eq(&shown.surface.topology, &sticks.0) {
+        let still_whole =
+            || Showing::of(entity, &bodies, &meshes).filter(|shown| shown.has(&torn_from.whole.topology));
+        let own = own.filter(|WholeMesh(whole)| whole.showing().has(&torn_from.whole.topology));
+        let whole = own.cloned().or_else(|| Some(WholeMesh(still_whole()?.cloned().into())));
+        let Some(WholeMesh(whole)) = whole else { continue };
+        made.extend(
+            whole
+                .showing()
+                .torn(&torn_from.origins, &sticks.0)
+                .map(|torn| (entity, particles, sticks, transform, torn)),
+        );
+        commands.entity(entity).insert(WholeMesh(whole));
+    }
+    for (entity, particles, sticks, transform, mut shown) in made {
+        if shown.showing().has(&sticks.0) {
             shown.surface.restart(particles);
         }
         let bounds = shown.surface.write_now(&mut shown.mesh, transform).unwrap_or_default();
-        made.push(Made { entity, handle: mesh_of(entity, &bodies), shown, bounds });
+        let handle = mesh_of(entity, &bodies);
+        Made { entity, handle, shown, bounds }.put(&mut commands, &mut meshes);
     }
-    made.into_iter().for_each(|made| made.put(&mut commands, &mut meshes));
 }
 
 /// Creates a mesh with the vertices `origins` of another, in this order, those on the edges of cuts, and these triangles; none if a

@@ -7,8 +7,10 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 use drape_solver::world::extent::Extent;
-use drape_solver::{BodyContext, BodySettings, Layers, ParticlesSnapshot};
+use drape_solver::{BodyContext, BodySettings, BuildError, Layers, ParticlesSnapshot, Topology};
 
+use crate::attach::attachment::Attachment;
+use crate::attach::attachment_state::AttachmentState;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
@@ -17,7 +19,8 @@ use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
-use crate::body::torn_from::WholeBody;
+use crate::body::tearable::Untearable;
+use crate::body::torn_from::{TornFrom, WholeBody};
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
 use crate::detail::level::CurrentDetail;
@@ -29,7 +32,7 @@ use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
-use crate::snapshot::tears::{self, TearSnapshot};
+use crate::snapshot::tears::{self, Restored, TearSnapshot};
 use crate::snapshot::world::{Placed, put_component, put_disabled};
 
 /// The state of one body.
@@ -80,9 +83,41 @@ impl BodySnapshot {
 
     /// The entity of the body, or for a missing piece another that is left of the same whole body.
     fn source(&self, world: &World, keys: &Keys) -> Option<Entity> {
-        let left = || tears::left_of(self.tear.as_ref()?.whole(), world, keys);
-        entity(keys, self.key()).or_else(left)
+        let tear = self.tear.as_ref().filter(|tear| tear.whole() != self.order);
+        entity(keys, self.key()).or_else(|| tears::left_of(tear?.whole(), world, keys))
     }
+
+    /// Looks up of what the body is made.
+    fn plan(&self, world: &World, all: &Keys, keys: &Keys) -> Result<Plan, SnapshotError> {
+        let key = self.key();
+        let missing = SnapshotError::Missing(key);
+        // The number of a piece that is missing may be another body's by now, which stays.
+        let is_taken = entity(keys, key).is_none() && entity(all, key).is_some();
+        let source = self.source(world, keys).filter(|_| !is_taken).ok_or(missing.clone())?;
+        let whole = self.whole(world.entity(source)).ok_or(missing)?;
+        let found = whole.topology.stick_count();
+        if found as u64 != self.stick_count {
+            return Err(SnapshotError::AnotherBody { key, found, wanted: self.stick_count as usize });
+        }
+        let bad = |source| SnapshotError::BadState { key, source };
+        let Some(tear) = &self.tear else {
+            self.particles.validate(whole.topology.particle_count()).map_err(bad)?;
+            return Ok(Plan { source, torn_from: None, topology: Arc::clone(&whole.topology) });
+        };
+        if world.entity(source).contains::<Rig>() || world.entity(source).contains::<Untearable>() {
+            return Err(bad(BuildError::BadTopology { reason: "it is of what does not tear" }));
+        }
+        let (torn_from, topology) = tear.of(&whole, &self.particles).map_err(bad)?;
+        Ok(Plan { source, torn_from: Some(torn_from), topology })
+    }
+}
+
+/// Of what a body is made.
+pub(super) struct Plan {
+    /// Its entity, or another that is left of the same whole body.
+    source: Entity,
+    torn_from: Option<TornFrom>,
+    topology: Arc<Topology>,
 }
 
 pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
@@ -126,57 +161,62 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
     bodies
 }
 
-pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
+/// Checks that bodies can be restored, and looks up of what.
+pub(super) fn plan(
+    bodies: &[BodySnapshot],
+    world: &World,
+    all: &Keys,
+    keys: &Keys,
+) -> Result<Vec<Plan>, SnapshotError> {
     out_of_order(bodies.iter().map(BodySnapshot::key))?;
-    for body in bodies {
-        let key = body.key();
-        let source = body.source(world, keys).ok_or(SnapshotError::Missing(key))?;
-        let whole = body.whole(world.entity(source)).ok_or(SnapshotError::Missing(key))?;
-        let found = whole.topology.stick_count();
-        if found as u64 != body.stick_count {
-            return Err(SnapshotError::AnotherBody { key, found, wanted: body.stick_count as usize });
-        }
-        let checked = match &body.tear {
-            Some(tear) => tear.check(&whole, &body.particles),
-            None => body.particles.validate(whole.topology.particle_count()),
-        };
-        checked.map_err(|source| SnapshotError::BadState { key, source })?;
-    }
-    Ok(())
+    bodies.iter().map(|body| body.plan(world, all, keys)).collect()
 }
 
 /// Spawns the pieces that are missing, and returns them with the other `keys`.
-fn spawn_pieces(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Vec<(Key, Entity)> {
-    let mut all = keys.to_vec();
-    for body in bodies {
-        if let Some(tear) = &body.tear
+fn spawn_pieces(
+    bodies: &[BodySnapshot],
+    plans: &[Plan],
+    world: &mut World,
+    keys: &Keys,
+) -> Vec<(Key, Entity)> {
+    let mut every = keys.to_vec();
+    for (body, Plan { source, torn_from, .. }) in bodies.iter().zip(plans) {
+        if let Some(TornFrom { whole, .. }) = torn_from
             && entity(keys, body.key()).is_none()
+            && let Some(piece) = tears::spawn(body.order, whole, *source, world)
         {
-            all.extend(tears::spawn(body.order, tear, world, keys).map(|piece| (body.key(), piece)));
+            if body.attachment.is_none() {
+                world.entity_mut(piece).remove::<(Attachment, AttachmentState)>();
+            }
+            every.push((body.key(), piece));
         }
     }
-    all.sort_unstable_by_key(|&(key, _)| key);
-    all
+    every.sort_unstable_by_key(|&(key, _)| key);
+    every
 }
 
-/// Restores bodies that have been [checked](check).
-pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
-    let keys = &spawn_pieces(bodies, world, keys);
+/// Restores bodies as [planned](plan).
+pub(super) fn restore(
+    bodies: &[BodySnapshot],
+    plans: &[Plan],
+    world: &mut World,
+    keys: &Keys,
+) -> Result<(), SnapshotError> {
+    let keys = &spawn_pieces(bodies, plans, world, keys);
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
         if matches!(key, Key::Body(_)) && !is_known {
             world.despawn(body);
         }
     }
-    for body in bodies {
+    for (body, Plan { torn_from, topology, .. }) in bodies.iter().zip(plans) {
         let key = body.key();
         let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
         let mut entity = found.ok_or(SnapshotError::Missing(key))?;
-        let whole = body.whole(entity.as_readonly()).ok_or(SnapshotError::Missing(key))?;
-        let is_other = tears::restore(body.tear.as_ref(), &body.particles, &whole, &mut entity);
-        let is_other = is_other.map_err(|source| SnapshotError::BadState { key, source })?;
+        let restored = tears::restore(torn_from.as_ref(), topology, &body.particles, &mut entity);
+        let restored = restored.map_err(|source| SnapshotError::BadState { key, source })?;
         put_component(&mut entity, body.detail.as_ref());
-        if let Some(mut particles) = entity.get_mut::<Particles>().filter(|_| !is_other) {
+        if let Some(mut particles) = entity.get_mut::<Particles>().filter(|_| restored == Restored::AsItIs) {
             let restored = particles.restore(&body.particles);
             restored.map_err(|source| SnapshotError::BadState { key, source })?;
         }
@@ -215,7 +255,12 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         put_component(&mut entity, body.grab.as_ref());
         put_disabled(&mut entity, body.is_disabled);
         motions::restore(&body.motion, &mut entity);
-        attachments::restore(body.attachment.as_ref(), body.order, is_other, &mut entity);
+        attachments::restore(
+            body.attachment.as_ref(),
+            body.order,
+            restored == Restored::FromTear,
+            &mut entity,
+        );
     }
     Ok(())
 }

@@ -30,14 +30,14 @@ pub enum SnapshotError {
     /// A body or obstacle of the snapshot is not in the world.
     #[error("{0:?} is not in the world: it is not the scene that the snapshot was taken of")]
     Missing(Key),
-    /// A body has a different number of sticks.
+    /// A body has a different number of sticks; a torn one had when it was whole.
     #[error("{key:?} has {found} sticks in the world and {wanted} in the snapshot")]
     AnotherBody {
         /// The body.
         key: Key,
-        /// The number of sticks that it has.
+        /// The number of sticks that it has, or had when it was whole.
         found: usize,
-        /// The number of sticks that it had.
+        /// The number in the snapshot.
         wanted: usize,
     },
     /// The particles and sticks of a hand-built rig are not those of the snapshot.

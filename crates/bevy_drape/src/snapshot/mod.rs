@@ -27,8 +27,8 @@
 //! fires. A missing body or obstacle is an error: disable what may have to come back, as a snapshot holds also what is
 //! [disabled](bevy::ecs::entity_disabling::Disabled).
 //!
-//! Tears and cuts go back, too. What was whole is whole again, with its mesh. A missing piece is spawned as a clone of the body that it
-//! came off, or of what else is left of that, as after a cut; observers of [`BodySplit`](crate::tear::BodySplit) are not told again.
+//! Tears and cuts go back, too. What was whole is whole again, with its mesh. A missing piece is spawned as a clone of the whole body, or
+//! of the oldest piece that is left of it; observers of [`BodySplit`](crate::tear::BodySplit) are not told again.
 //!
 //! A game that rolls back takes [a part](Snapshot::take_of) of the world back and leaves the rest.
 //!

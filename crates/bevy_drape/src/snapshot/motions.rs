@@ -27,6 +27,7 @@ pub(super) fn restore(snapshot: &MotionSnapshot, entity: &mut EntityWorldMut) {
     if let Some(mut pose) = entity.get_mut::<AnimatedPose>() {
         // With another skeleton the pose is computed anew.
         pose.last = snapshot.joints.iter().map(Affine3A::from_cols_array).collect();
+        pose.shown = [None; 2];
     }
     if let Some(mut state) = entity.get_mut::<WorldMotionState>() {
         state.last = snapshot.reference.map(|reference| Affine3A::from_cols_array(&reference));

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use crate::body::body_state::CreationOrder;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::rig::components::{InRig, RigEdits};
+use crate::sleep::candidates::Candidates;
 use crate::snapshot::key::SnapshotError;
 use crate::snapshot::world::{chosen, members};
 use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
@@ -50,7 +51,7 @@ impl Snapshot {
     /// Takes a snapshot of the bodies, balls and obstacles that match the filter, between steps.
     ///
     /// With a component of your own, such as `With<RolledBack>`, it saves what a game rolls back and leaves out the rest. A
-    /// hand-built rig matches if one of its particles does. Whatever can touch a part belongs to it, or the part does not continue
+    /// hand-built rig matches if one of its particles does. Pieces of torn bodies have to match like these. Whatever can touch a part belongs to it, or the part does not continue
     /// with the same bits; only an obstacle that never moves may be left out.
     pub fn take_of<F: QueryFilter>(world: &mut World) -> Self {
         let all = members(world);
@@ -88,13 +89,16 @@ impl Snapshot {
         let keys = chosen::<F>(world, &all);
         let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts, .. } = self;
         world::check(shared, world)?;
-        bodies::check(bodies, world, &keys)?;
+        let plans = bodies::plan(bodies, world, &all, &keys)?;
         projectiles::check(balls)?;
         obstacles::check(obstacles, world, &keys)?;
         rigs::check(rig_particles, world, &keys)?;
         world::restore(shared, world);
-        bodies::restore(bodies, world, &keys)?;
+        let vanished = world.resource::<Candidates>().left.len();
+        bodies::restore(bodies, &plans, world, &keys)?;
         projectiles::restore(balls, world, &keys)?;
+        // What is not there yet does not wake what it would lie beside.
+        world.resource_mut::<Candidates>().left.truncate(vanished);
         obstacles::restore(obstacles, world, &keys)?;
         rigs::restore(rig_particles, world, &keys);
         world::go_on_counting(shared, world);

@@ -74,8 +74,15 @@ impl TearSnapshot {
         }
     }
 
-    /// What the body was and is, if it comes of this whole body.
-    fn of(&self, whole: &Arc<WholeBody>) -> Result<(TornFrom, Arc<Topology>), BuildError> {
+    /// What the body was and is, if it comes of this whole body and has `particles`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the snapshot contradicts itself, or the whole body is another.
+    pub fn of(
+        &self,
+        whole: &Arc<WholeBody>,
+        particles: &ParticlesSnapshot,
+    ) -> Result<(TornFrom, Arc<Topology>), BuildError> {
         let (origins, topology): (Arc<[u32]>, _) = match self {
             Self::Shared(torn_from, topology) => (Arc::clone(&torn_from.origins), Arc::clone(topology)),
             Self::Plain(PlainTear { origins, topology, .. }) => {
@@ -89,17 +96,12 @@ impl TearSnapshot {
         if origins.len() != topology.particle_count() {
             return Err(BuildError::BadTopology { reason: "it has other particles than its sticks join" });
         }
+        particles.validate(topology.particle_count())?;
         Ok((TornFrom { whole: Arc::clone(whole), origins }, topology))
-    }
-
-    /// Checks that a body of this state can become what it was.
-    pub fn check(&self, whole: &Arc<WholeBody>, particles: &ParticlesSnapshot) -> Result<(), BuildError> {
-        let (_, topology) = self.of(whole)?;
-        particles.validate(topology.particle_count())
     }
 }
 
-/// The whole body of which a body or piece is what is left.
+/// The whole body of which a body or piece is what is left; none for what does not tear.
 pub(super) fn whole_of(entity: EntityRef) -> Option<Arc<WholeBody>> {
     let state = entity.get::<BodyState>()?;
     if let Some(torn_from) = &state.torn_from {
@@ -109,7 +111,7 @@ pub(super) fn whole_of(entity: EntityRef) -> Option<Arc<WholeBody>> {
     Some(Arc::new(WholeBody { order: state.order, topology }))
 }
 
-/// An entity that is left of a whole body, or that is whole, in order of creation.
+/// An entity that is left of a whole body, or that is whole: the oldest.
 pub(super) fn left_of(whole: u64, world: &World, keys: &Keys) -> Option<Entity> {
     let is_left = |state: &BodyState| {
         state.torn_from.as_ref().map_or(state.order, |torn_from| torn_from.whole.order) == whole
@@ -119,52 +121,67 @@ pub(super) fn left_of(whole: u64, world: &World, keys: &Keys) -> Option<Entity> 
 }
 
 /// Spawns a missing piece as a clone of another entity that is left of its whole body. It has no particles yet.
-pub(super) fn spawn(order: u64, tear: &TearSnapshot, world: &mut World, keys: &Keys) -> Option<Entity> {
-    let other = left_of(tear.whole(), world, keys)?;
-    let torn_from = Some(TornFrom { whole: whole_of(world.entity(other))?, origins: [].into() });
+pub(super) fn spawn(order: u64, whole: &Arc<WholeBody>, other: Entity, world: &mut World) -> Option<Entity> {
+    #[cfg(feature = "mesh")]
+    crate::render::torn_mesh::keep_whole_mesh(world, other, &whole.topology);
+    let torn_from = Some(TornFrom { whole: Arc::clone(whole), origins: [].into() });
     let state = BodyState { order, torn_from, ..state_of_piece(world.get(other)?) };
     let piece = world.entity_mut(other).clone_and_spawn_with_opt_out(leave_out_body);
     let parts = (Particles::default(), Sticks::default(), Activity::default());
-    world.entity_mut(piece).insert((parts, state, RestoredMesh { whole: other }));
+    world.entity_mut(piece).insert((parts, state));
     Some(piece)
 }
 
-/// Gives a body the sticks that it had, and particles for them, if it has others now. Returns true then.
+/// Gives a body the sticks that it had, and particles for them. `torn_from` is none for a body that was whole.
+///
+/// # Errors
+/// [`BuildError`] as [`Particles::from_snapshot`](drape_solver::Particles::from_snapshot).
 pub(super) fn restore(
-    tear: Option<&TearSnapshot>,
+    torn_from: Option<&TornFrom>,
+    topology: &Arc<Topology>,
     snapshot: &ParticlesSnapshot,
-    whole: &Arc<WholeBody>,
     entity: &mut EntityWorldMut,
-) -> Result<bool, BuildError> {
-    let (torn_from, topology) = match tear {
-        Some(tear) => tear.of(whole).map(|(torn_from, topology)| (Some(torn_from), topology))?,
-        None => (None, Arc::clone(&whole.topology)),
-    };
-    let Some(mut state) = entity.get_mut::<BodyState>() else { return Ok(false) };
-    let is_torn = torn_from.is_some() || state.torn_from.is_some();
-    let pose_origins = torn_from.as_ref().map(|torn_from| Arc::clone(&torn_from.origins));
-    state.torn_from = torn_from;
-    let Some(mut sticks) = entity.get_mut::<Sticks>() else { return Ok(false) };
-    if Arc::ptr_eq(&sticks.0, &topology) {
-        return Ok(false);
+) -> Result<Restored, BuildError> {
+    let Some(mut state) = entity.get_mut::<BodyState>() else { return Ok(Restored::AsItIs) };
+    let was_torn = state.torn_from.is_some();
+    state.torn_from = torn_from.cloned();
+    let Some(mut sticks) = entity.get_mut::<Sticks>() else { return Ok(Restored::AsItIs) };
+    if Arc::ptr_eq(&sticks.0, topology) {
+        return Ok(Restored::AsItIs);
     }
     // Not marked as changed, which would rouse a body at rest.
-    sticks.bypass_change_detection().0 = Arc::clone(&topology);
+    sticks.bypass_change_detection().0 = Arc::clone(topology);
     if let Some(mut particles) = entity.get_mut::<Particles>() {
-        particles.0 = drape_solver::Particles::from_snapshot(snapshot, &topology)?;
+        particles.0 = drape_solver::Particles::from_snapshot(snapshot, topology)?;
     }
-    if is_torn {
-        restore_pose(pose_origins.as_deref(), entity);
-        let whole = entity.id();
-        entity.remove::<TornMesh>().insert_if_new(RestoredMesh { whole });
+    if !was_torn && torn_from.is_none() {
+        return Ok(Restored::WithOtherParticles);
     }
-    Ok(true)
+    restore_pose(was_torn, torn_from.map(|torn_from| &*torn_from.origins), entity);
+    entity.remove::<TornMesh>().insert(RestoredMesh);
+    #[cfg(feature = "gpu")]
+    if let Some(mut on_gpu) = entity.get_mut::<crate::gpu::SolveOnGpu>() {
+        // Whole again, it may be solved there.
+        on_gpu.set_changed();
+    }
+    Ok(Restored::FromTear)
+}
+
+/// How a body was given its particles.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Restored {
+    /// It has the particles that it had.
+    AsItIs,
+    /// At another level of detail.
+    WithOtherParticles,
+    /// It has become whole, or torn otherwise.
+    FromTear,
 }
 
 /// Has an animation move the particles that it moved, which come from these of the whole body; from all if it is whole.
-fn restore_pose(origins: Option<&[u32]>, entity: &mut EntityWorldMut) {
-    let known = entity.get::<WholePose>().map(|whole| &whole.0).or(entity.get::<AnimatedPose>());
-    let Some(whole) = known.cloned() else { return };
+fn restore_pose(was_torn: bool, origins: Option<&[u32]>, entity: &mut EntityWorldMut) {
+    let before_tear = entity.get::<WholePose>().filter(|_| was_torn).map(|whole| &whole.0);
+    let Some(whole) = before_tear.or(entity.get::<AnimatedPose>()).cloned() else { return };
     match origins {
         Some(origins) => entity.insert((whole.torn(origins), WholePose(whole))),
         None => entity.insert(whole).remove::<WholePose>(),

@@ -1,6 +1,7 @@
 //! The meshes of torn cloth.
 
 use super::*;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy_drape::snapshot::{Snapshot, members};
 use bevy_drape::tear::CutCloth;
 
@@ -173,6 +174,20 @@ fn meshes_go_back_across_cuts() {
                     frame(app, 1.0);
                 }
             }
+        }
+        // A piece has its mesh also if its cloth is away.
+        for app in [&mut app, &mut other] {
+            whole.restore(app.world_mut()).expect("the same scene");
+            frame(app, 1.0);
+            let cloth = members(app.world_mut())[0].1;
+            app.world_mut().entity_mut(cloth).insert(Disabled);
+            torn.restore(app.world_mut()).expect("the same scene");
+            frame(app, 1.0);
+            for (now, then) in all(app).iter().zip(&torn_then) {
+                assert_eq!((&now.1, &now.2), (&then.1, &then.2));
+            }
+            whole.restore(app.world_mut()).expect("the same scene");
+            frame(app, 1.0);
         }
         // From here on it is cut like any other.
         let edge = |x: f32| [Vec3::new(x, 0.0, -1.0), Vec3::new(x, 0.0, 1.0)];

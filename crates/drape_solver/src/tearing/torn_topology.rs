@@ -389,64 +389,82 @@ mod tests {
             let good = TornTopology::new(&body.topology, &whole);
             assert_eq!(good.build(&whole).as_ref(), Ok(&*body.topology));
             let count = body.particles.len() as u32;
-            let opened: [fn(&mut Opened, u32); 17] = [
-                |opened, count| opened.faces[3][1] = count,
-                |opened, count| opened.segments.push([0, count]),
-                |opened, count| opened.tethers[0].0 = count,
-                |opened, count| opened.tethers[0].1 = count,
-                |opened, _| opened.tethers[0].2 = f32::NAN,
-                |opened, _| opened.rest[0][2] = f32::INFINITY,
-                |opened, _| opened.rest.truncate(1),
-                |opened, _| opened.longest_edge = -1.0,
-                |opened, _| opened.rigidity.warp = -1.0,
-                |opened, _| opened.friction.weft = f32::NAN,
-                |opened, _| opened.batches[0].0.stiffness = 2.0,
-                |opened, _| match &mut opened.arrangement {
+            let opened: [([&str; 2], fn(&mut Opened, u32)); 17] = [
+                (["a face", "a face"], |opened, count| opened.faces[3][1] = count),
+                (["a segment", "a segment"], |opened, count| opened.segments.push([0, count])),
+                (["a tether", "a tether"], |opened, count| opened.tethers[0].0 = count),
+                (["a tether", "a tether"], |opened, count| opened.tethers[0].1 = count),
+                (["length of a tether", "length of a tether"], |opened, _| opened.tethers[0].2 = f32::NAN),
+                (["rest position", "rest position"], |opened, _| opened.rest[0][2] = f32::INFINITY),
+                (["no place", "its order"], |opened, _| match &mut opened.arrangement {
+                    Arrangement::Torn(_, homes) => homes.truncate(homes.len() - 1),
+                    other => *other = Arrangement::Renumbered(vec![0, 1, 2]),
+                }),
+                (["longest edge", "longest edge"], |opened, _| opened.longest_edge = -1.0),
+                (["rigidity", "rigidity"], |opened, _| opened.rigidity.warp = -1.0),
+                (["friction", "friction"], |opened, _| opened.friction.weft = f32::NAN),
+                (["stiffness", "stiffness"], |opened, _| opened.batches[0].0.stiffness = 2.0),
+                (["no grid", "its order"], |opened, _| match &mut opened.arrangement {
                     Arrangement::Torn(size, _) => *size = [0, u32::MAX],
                     other => *other = Arrangement::Renumbered(vec![0; 3]),
-                },
-                |opened, count| match &mut opened.arrangement {
+                }),
+                (["no place", "its order"], |opened, count| match &mut opened.arrangement {
                     Arrangement::Torn(_, homes) => homes[1] = u32::MAX,
                     other => *other = Arrangement::Renumbered(vec![0; count as usize]),
-                },
-                |opened, _| match &mut opened.batches[0].1 {
+                }),
+                (["join no particles", "rest length"], |opened, _| match &mut opened.batches[0].1 {
                     PlainSticks::Family(.., severed) => severed.push(u32::MAX),
                     PlainSticks::Listed(sticks, _) | PlainSticks::Loose(sticks) => sticks[0].1 = 0.0,
-                },
-                |opened, _| match &mut opened.batches[0].1 {
+                }),
+                (["no grid", "to itself"], |opened, _| match &mut opened.batches[0].1 {
                     PlainSticks::Family(offset, ..) => *offset = [0, 0],
                     PlainSticks::Listed(sticks, _) | PlainSticks::Loose(sticks) => sticks[0].0 = [1, 1],
-                },
-                |opened, _| match &mut opened.batches[0].1 {
+                }),
+                (["no grid", "share a particle"], |opened, _| match &mut opened.batches[0].1 {
                     PlainSticks::Family(_, phase, ..) => *phase = 2,
                     PlainSticks::Listed(sticks, is_independent) => {
                         *is_independent = true;
                         sticks.push(sticks[0]);
                     }
                     PlainSticks::Loose(_) => unreachable!("the first batch is a family or a list"),
-                },
-                |opened, count| match &mut opened.batches.last_mut().expect("there are several").1 {
-                    PlainSticks::Family(.., length, _) => *length = 0.0,
-                    PlainSticks::Listed(sticks, _) | PlainSticks::Loose(sticks) => sticks[0].0[1] = count,
-                },
+                }),
+                (["a stick names", "a stick names"], |opened, count| {
+                    match &mut opened.batches.last_mut().expect("there are several").1 {
+                        PlainSticks::Family(.., length, _) => *length = 0.0,
+                        PlainSticks::Listed(sticks, _) | PlainSticks::Loose(sticks) => sticks[0].0[1] = count,
+                    }
+                }),
             ];
-            for (number, change) in opened.into_iter().enumerate() {
+            for (expected, change) in opened {
                 let mut bad = good.clone();
                 change(bad.opened.as_mut().expect("the slit has opened"), count);
-                assert!(bad.build(&whole).is_err(), "change {number}, mesh: {is_mesh}");
+                let error = bad.build(&whole).expect_err("was changed").to_string();
+                assert!(error.contains(expected[usize::from(is_mesh)]), "{error}, expected {expected:?}");
             }
-            let parts: [fn(&mut Vec<PlainPart>); 4] = [
-                |parts| parts[0].0 = u32::MAX,
-                |parts| parts[0].1.truncate(2),
-                |parts| parts[0].1[0][0] = f32::NAN,
-                |parts| parts.reverse(),
+            let parts: [(&str, fn(&mut Vec<PlainPart>)); 4] = [
+                ("to no face", |parts| parts[0].0 = u32::MAX),
+                ("to no face", |parts| parts[0].1.truncate(2)),
+                ("weight", |parts| parts[0].1[0][0] = f32::NAN),
+                ("out of order", |parts| parts.reverse()),
             ];
-            for (number, change) in parts.into_iter().enumerate() {
+            for (expected, change) in parts {
                 let mut bad = good.clone();
                 change(&mut bad.parts);
-                assert!(bad.build(&whole).is_err(), "change {number} of parts, mesh: {is_mesh}");
+                let error = bad.build(&whole).expect_err("was changed").to_string();
+                assert!(error.contains(expected), "{error}, expected {expected}");
             }
         }
+    }
+
+    /// A few bytes of a file must not ask for gigabytes.
+    #[test]
+    fn a_grid_without_particles_is_refused() {
+        let (body, whole) = slit(false);
+        let mut numbers = TornTopology::new(&body.topology, &whole);
+        let opened = numbers.opened.as_mut().expect("the slit has opened");
+        opened.arrangement = Arrangement::Torn([8192, 8192], (0..opened.rest.len() as u32).collect());
+        let reason = "a particle has no place in its torn grid";
+        assert_eq!(numbers.build(&whole), Err(BuildError::BadTopology { reason }));
     }
 
     #[test]
