@@ -159,11 +159,6 @@ pub(super) fn restore(
     }
     restore_pose(was_torn, torn_from.map(|torn_from| &*torn_from.origins), entity);
     entity.remove::<TornMesh>().insert(RestoredMesh);
-    #[cfg(feature = "gpu")]
-    if let Some(mut on_gpu) = entity.get_mut::<crate::gpu::SolveOnGpu>() {
-        // Whole again, it may be solved there.
-        on_gpu.set_changed();
-    }
     Ok(Restored::FromTear)
 }
 
