@@ -97,7 +97,7 @@ pub enum BuildError {
         /// The other end.
         b: u32,
     },
-    /// What is to be a torn body cannot be one.
+    /// The numbers of a torn body contradict themselves.
     #[error("this is no torn body: {reason}")]
     BadTopology {
         /// The fault.

@@ -26,7 +26,7 @@ pub(crate) struct BodyState {
     pub pins: Vec<(u32, Vec3)>,
     /// Box and greatest speed of the particles, as of the last step or edit.
     pub extent: Extent,
-    /// What it has been, if it is torn or a piece.
+    /// The whole body that it comes from, if it is torn or a piece.
     pub torn_from: Option<TornFrom>,
     /// True if the body cannot be simulated; the log has the reason.
     pub refused: bool,

@@ -1,4 +1,4 @@
-//! What torn bodies have been.
+//! The whole bodies that torn ones come from.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ pub(crate) struct WholeBody {
     pub topology: Arc<Topology>,
 }
 
-/// What a torn body, or a piece of one, has been.
+/// The past of a torn body, or of a piece of one.
 #[derive(Clone, Debug)]
 pub(crate) struct TornFrom {
     pub whole: Arc<WholeBody>,
@@ -22,7 +22,7 @@ pub(crate) struct TornFrom {
 
 impl TornFrom {
     /// A body that is still whole.
-    pub fn whole(order: u64, topology: &Arc<Topology>) -> Self {
+    pub fn of_whole(order: u64, topology: &Arc<Topology>) -> Self {
         let origins = (0..topology.particle_count() as u32).collect();
         Self { whole: Arc::new(WholeBody { order, topology: Arc::clone(topology) }), origins }
     }

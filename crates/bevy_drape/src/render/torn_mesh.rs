@@ -50,9 +50,11 @@ impl ShownMesh {
 
 impl<'a> Showing<'a> {
     fn of(entity: Entity, bodies: &'a ShownBodies, meshes: &'a Assets<Mesh>) -> Option<Self> {
-        let (mesh, surface, welded) = bodies.get(entity).ok()?;
-        let (is_flat, mesh) = (mesh.1.is_some(), meshes.get(handle_of(mesh)?)?);
-        Some(Self { mesh, is_flat, surface, welded })
+        Self::new(bodies.get(entity).ok()?, meshes)
+    }
+
+    fn new((mesh, surface, welded): BodyMesh<'a>, meshes: &'a Assets<Mesh>) -> Option<Self> {
+        Some(Self { mesh: meshes.get(handle_of(mesh)?)?, is_flat: mesh.1.is_some(), surface, welded })
     }
 
     fn cloned(self) -> ShownMesh {
@@ -119,6 +121,9 @@ impl Made {
     }
 }
 
+/// The mesh of a body, its surface, and the particles of its welded vertices.
+type BodyMesh<'a> = ((Option<&'a Mesh3d>, Option<&'a Mesh2d>), &'a Surface, Option<&'a WeldedVertices>);
+
 /// Bodies that show their particles.
 type ShownBodies<'w, 's> = Query<'w, 's, (AnyMesh, &'static Surface, Option<&'static WeldedVertices>)>;
 
@@ -161,11 +166,10 @@ pub(crate) fn keep_whole_mesh(world: &mut World, entity: Entity, whole: &Arc<Top
     let entity_of = world.entity(entity);
     let Some(meshes) = world.get_resource::<Assets<Mesh>>() else { return };
     let Some(surface) = entity_of.get::<Surface>() else { return };
-    let mesh = (entity_of.get::<Mesh3d>(), entity_of.get::<Mesh2d>());
-    let is_flat = mesh.1.is_some();
-    let Some(mesh) = handle_of(mesh).and_then(|handle| meshes.get(handle)) else { return };
-    let showing = Showing { mesh, is_flat, surface, welded: entity_of.get() };
-    if showing.has(whole) {
+    let body = ((entity_of.get(), entity_of.get()), surface, entity_of.get());
+    if let Some(showing) = Showing::new(body, meshes)
+        && showing.has(whole)
+    {
         let whole = WholeMesh(showing.cloned().into());
         world.entity_mut(entity).insert(whole);
     }

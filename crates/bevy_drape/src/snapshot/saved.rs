@@ -97,7 +97,7 @@ impl Snapshot {
         let vanished = world.resource::<Candidates>().left.len();
         bodies::restore(bodies, &plans, world, &keys)?;
         projectiles::restore(balls, world, &keys)?;
-        // What is not there yet does not wake what it would lie beside.
+        // A body that is not there yet wakes nothing beside the place where it would lie.
         world.resource_mut::<Candidates>().left.truncate(vanished);
         obstacles::restore(obstacles, world, &keys)?;
         rigs::restore(rig_particles, world, &keys);

@@ -1,4 +1,4 @@
-//! What tears and cuts have made of bodies.
+//! Bodies that tears and cuts have changed.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::body::torn_from::{TornFrom, WholeBody};
 use crate::snapshot::key::{Key, Keys};
 use crate::tear::part::{leave_out_body, state_of_piece};
 
-/// What a torn body, or a piece of one, was and is.
+/// The past and present of a torn body, or of a piece of one.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(from = "PlainTear", into = "PlainTear"))]
@@ -74,7 +74,7 @@ impl TearSnapshot {
         }
     }
 
-    /// What the body was and is, if it comes of this whole body and has `particles`.
+    /// The past and present of the body, if it comes of this whole body and has `particles`.
     ///
     /// # Errors
     /// [`BuildError`] if the snapshot contradicts itself, or the whole body is another.
@@ -101,7 +101,7 @@ impl TearSnapshot {
     }
 }
 
-/// The whole body of which a body or piece is what is left; none for what does not tear.
+/// The whole body of which a body or piece is left; none for an entity without a body.
 pub(super) fn whole_of(entity: EntityRef) -> Option<Arc<WholeBody>> {
     let state = entity.get::<BodyState>()?;
     if let Some(torn_from) = &state.torn_from {
@@ -162,7 +162,7 @@ pub(super) fn restore(
     Ok(Restored::FromTear)
 }
 
-/// How a body was given its particles.
+/// The way in which a body was given its particles.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Restored {
     /// It has the particles that it had.

@@ -90,7 +90,7 @@ impl Tearing<'_, '_> {
             // Cut before its first step.
             state.order = self.order.next();
         }
-        let was = state.torn_from.take().unwrap_or_else(|| TornFrom::whole(state.order, &sticks.0));
+        let was = state.torn_from.take().unwrap_or_else(|| TornFrom::of_whole(state.order, &sticks.0));
         if Arc::ptr_eq(&was.whole.topology, &sticks.0)
             && let Ok(posed) = self.posed.get(entity)
         {

@@ -117,7 +117,7 @@ fn a_piece_of_the_size_of_the_whole_has_its_own_normals() {
     }
 }
 
-/// What a mesh shows of a body: positions, texture coordinates and triangles.
+/// The mesh of a body as it is shown: positions, texture coordinates and triangles.
 fn shown(app: &App, entity: Entity) -> (Vec<Vec3>, Vec<[f32; 2]>, Vec<usize>) {
     let indices = mesh_of(app, entity).indices().expect("indexed").iter().collect();
     (world_vertices(app, entity), texture_coordinates(app, entity), indices)

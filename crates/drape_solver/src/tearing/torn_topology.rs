@@ -33,7 +33,7 @@ use crate::state::tethers::{TetherPlan, Tethers};
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
 
-/// What tears and cuts have made of a [`Topology`], as plain numbers.
+/// A [`Topology`] that tears and cuts have changed, as plain numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TornTopology {

@@ -434,3 +434,9 @@ pub fn along(body: &Body) -> Vec3 {
 pub fn normal(body: &Body) -> Vec3 {
     along(body).cross(body.particles.position(17) - body.particles.position(0)).normalize()
 }
+
+/// A blade from one point to another, through sheets in the XY plane.
+pub fn blade(from: Vec3, to: Vec3) -> [[Vec3; 3]; 2] {
+    let wide = Vec3::Z * 2.0;
+    [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]]
+}

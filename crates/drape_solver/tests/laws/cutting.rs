@@ -10,12 +10,6 @@ use crate::drawn::{
     area, assert_manifold, assert_same_mass_and_momentum, mass_and_momentum, place, polygons,
 };
 
-/// A blade through a sheet in the XY plane.
-fn blade(from: Vec3, to: Vec3) -> [[Vec3; 3]; 2] {
-    let wide = Vec3::Z * 2.0;
-    [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]]
-}
-
 fn cut(body: &mut Body, from: Vec3, to: Vec3) -> Option<Torn> {
     body.cut(&blade(from, to)).expect("can be cut")
 }
@@ -410,25 +404,6 @@ fn the_sides_of_a_cut_do_not_cross() {
 fn places(island: &Island) -> Vec<DVec3> {
     let all = island.bodies.iter().flat_map(|body| body.particles.positions());
     all.map(Vec3::as_dvec3).collect()
-}
-
-/// A slit releases the tethers that run through it to the pins above, and no others.
-#[test]
-fn a_slit_releases_the_tethers_that_it_crosses() {
-    let mut curtain = ClothBuilder::new(1.0, 1.0, 21, 21)
-        .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
-        .pin_edge(Edge::Top)
-        .build(BodySettings::default())
-        .expect("valid");
-    let held = |body: &Body, x: core::ops::Range<f32>| {
-        let tethers = body.topology.tethers();
-        let at = |i: u32| body.topology.rest_position(i as usize);
-        tethers.iter().filter(|&&(i, ..)| at(i).y < -0.06 && x.contains(&at(i).x)).count()
-    };
-    let before = [-0.17..0.17, 0.27..0.51].map(|x| held(&curtain, x));
-    assert!(before.iter().all(|&count| count > 20), "{before:?}");
-    cut(&mut curtain, Vec3::new(-0.23, 0.013, 0.0), Vec3::new(0.23, 0.013, 0.0)).expect("opens");
-    assert_eq!([-0.17..0.17, 0.27..0.51].map(|x| held(&curtain, x)), [0, before[1]]);
 }
 
 /// Each piece weighs what is drawn of it, wherever in a row of faces it ends.

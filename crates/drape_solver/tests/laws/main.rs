@@ -74,6 +74,7 @@ mod tethers;
 mod tetrahedron_spin;
 mod thrown_cloths;
 mod timestep;
+mod torn_tethers;
 mod torn_topology;
 mod touch;
 mod weave;

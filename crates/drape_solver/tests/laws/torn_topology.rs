@@ -82,8 +82,6 @@ fn what_tears_and_cuts_make_comes_back_from_its_numbers() {
         for round in 0..4 {
             let mut place = || Vec2::new(dice.about(0.7), dice.about(0.7)).extend(0.0);
             let (from, to) = (place(), place());
-            let wide = Vec3::Z * 9.0;
-            let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
             let mut others = Vec::new();
             for body in &mut bodies {
                 let torn = if round == 2 {
@@ -92,7 +90,7 @@ fn what_tears_and_cuts_make_comes_back_from_its_numbers() {
                     });
                     body.tear(&TearLimits { strain: 0.1, most: 6 })
                 } else {
-                    body.cut(&blade)
+                    body.cut(&blade(from, to))
                 };
                 let Some(torn) = torn.expect("can be torn") else { continue };
                 changes += 1;
