@@ -39,7 +39,7 @@ use crate::text::SceneError;
 pub const MAGIC: [u8; 8] = *b"DRAPESAV";
 /// The version of the format that is written, and the only one that is read, as snapshots hold the state of one
 /// version.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 /// The state of a running world, with the name of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -101,6 +101,7 @@ pub use state::topology::{
 };
 pub use state::volume::volume;
 pub use step::{step, step_on};
+pub use tearing::frayed_edges::{FacePoint, FrayedEdges, TornPast};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
 pub use tearing::torn_topology::TornTopology;

@@ -1,8 +1,9 @@
 //! The whole bodies that torn ones come from.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use drape_solver::Topology;
+use drape_solver::{Topology, TornPast};
 
 /// A body before its first tear, of which all its pieces know.
 #[derive(Debug)]
@@ -18,18 +19,42 @@ pub(crate) struct TornFrom {
     pub whole: Arc<WholeBody>,
     /// For each particle, that of the whole body.
     pub origins: Arc<[u32]>,
+    /// The edges along which the whole body has torn so far, by its particles, the lower index first, in the order in which they
+    /// tore.
+    pub torn_edges: Arc<[[u32; 2]]>,
 }
 
 impl TornFrom {
+    /// The same for the solver.
+    pub fn past(&self) -> TornPast<'_> {
+        let Self { whole, origins, torn_edges } = self;
+        TornPast { whole: &whole.topology, origins, edges: torn_edges, seed: whole.order }
+    }
+
     /// A body that is still whole.
     pub fn of_whole(order: u64, topology: &Arc<Topology>) -> Self {
         let origins = (0..topology.particle_count() as u32).collect();
-        Self { whole: Arc::new(WholeBody { order, topology: Arc::clone(topology) }), origins }
+        let whole = Arc::new(WholeBody { order, topology: Arc::clone(topology) });
+        Self { whole, origins, torn_edges: [].into() }
     }
 
     /// The body, or a piece of it, after another tear, whose particles have these origins in the body before it.
     pub fn torn(&self, origins: &[u32]) -> Self {
         let origins = origins.iter().map(|&origin| self.origins[origin as usize]).collect();
-        Self { whole: Arc::clone(&self.whole), origins }
+        Self { origins, ..self.clone() }
+    }
+
+    /// The same, torn along more edges, by its own particles.
+    pub fn torn_along(self, edges: &[[u32; 2]]) -> Self {
+        if edges.is_empty() {
+            return self;
+        }
+        let of_whole = |&[a, b]: &[u32; 2]| {
+            let [p, q] = [a, b].map(|end| self.origins[end as usize]);
+            [p.min(q), p.max(q)]
+        };
+        let mut known: BTreeSet<[u32; 2]> = self.torn_edges.iter().copied().collect();
+        let added = edges.iter().map(of_whole).filter(|&edge| known.insert(edge));
+        Self { torn_edges: self.torn_edges.iter().copied().chain(added).collect(), ..self }
     }
 }

@@ -1,15 +1,18 @@
-//! Vertices on the edges of cuts: where a blade has divided a triangle, only parts of it are drawn.
+//! Vertices on the edges of cuts and tears: where a blade has divided a triangle, only parts of it are drawn, and torn edges are rough.
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use bevy::math::Vec3;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use drape_solver::{FacePart, Topology};
+use drape_solver::{FacePart, FacePoint, FrayedEdges, Topology};
 
-/// A vertex between those at the corners of a triangle.
+use crate::body::torn_from::TornFrom;
+use crate::render::entity_space::EntitySpace;
+
+/// A vertex in the plane of those at the corners of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CutVertex {
     vertices: [u32; 3],
@@ -21,6 +24,11 @@ impl CutVertex {
     fn blend(&self, values: &[[f32; 3]]) -> Vec3 {
         let weighted = self.vertices.iter().zip(self.weights.to_array());
         weighted.map(|(&vertex, weight)| Vec3::from_array(values[vertex as usize]) * weight).sum()
+    }
+
+    /// True if it lies outside the triangle.
+    fn is_outside(&self) -> bool {
+        self.weights.min_element() < 0.0
     }
 
     /// The one that is nearest.
@@ -39,13 +47,14 @@ pub(crate) struct DrawnTriangles {
 }
 
 impl DrawnTriangles {
-    /// Those of a body with this topology that is shown by `triangles` among `count` vertices.
+    /// Those of a torn body with this topology that is shown by `triangles` among `count` vertices.
     pub fn new(
-        topology: &Topology,
+        (topology, torn_from): (&Topology, &TornFrom),
         triangles: &[[u32; 3]],
         count: usize,
         particle: impl Fn(u32) -> u32,
     ) -> Self {
+        let frayed = FrayedVertices::new(topology, torn_from, triangles, &particle);
         let mut parts: HashMap<[u32; 3], Vec<&FacePart>> = HashMap::new();
         for part in topology.face_parts() {
             parts.entry(sorted(topology.faces()[part.face as usize])).or_default().push(part);
@@ -59,7 +68,7 @@ impl DrawnTriangles {
                         drawn.add(part, topology.faces()[part.face as usize], triangle, particles, count);
                     }
                 }
-                None => drawn.triangles.push(triangle),
+                None => drawn.add_whole(triangle, particles, &frayed, count),
             }
         }
         drawn
@@ -86,6 +95,31 @@ impl DrawnTriangles {
         }
     }
 
+    /// Adds a triangle that no blade has divided.
+    fn add_whole(&mut self, triangle: [u32; 3], particles: [u32; 3], frayed: &FrayedVertices, count: usize) {
+        let mut corners = triangle;
+        for corner in &mut corners {
+            if let Some(&vertex) = frayed.vertices.get(corner) {
+                *corner = self.number(vertex, count);
+            }
+        }
+        let edges = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| {
+            let [p, q] = [particles[from], particles[to]];
+            let vertex = *frayed.edges.get(&[p.min(q), p.max(q)])?;
+            Some(self.number(vertex, count))
+        });
+        let outline: Vec<u32> = corners
+            .into_iter()
+            .zip(edges)
+            .flat_map(|(corner, edge)| [Some(corner), edge])
+            .flatten()
+            .collect();
+        // From the first vertex on an edge, so that none of the triangles is flat.
+        let start = edges.iter().position(Option::is_some).map_or(0, |edge| edge + 1);
+        let at = |place: usize| outline[(start + place) % outline.len()];
+        self.triangles.extend((2..outline.len()).map(|last| [at(0), at(last - 1), at(last)]));
+    }
+
     /// The number of a vertex: that of a corner of the triangle, or one behind all `count` vertices of the body.
     fn number(&mut self, vertex: CutVertex, count: usize) -> u32 {
         let weighted = vertex.vertices.into_iter().zip(vertex.weights.to_array());
@@ -104,18 +138,84 @@ impl DrawnTriangles {
     }
 }
 
+/// The vertices of the frayed edges of a body.
+#[derive(Default)]
+struct FrayedVertices {
+    /// By the vertices whose places they take.
+    vertices: BTreeMap<u32, CutVertex>,
+    /// By the particles of the edge on which they lie, the lower index first.
+    edges: BTreeMap<[u32; 2], CutVertex>,
+}
+
+impl FrayedVertices {
+    fn new(
+        topology: &Topology,
+        torn_from: &TornFrom,
+        triangles: &[[u32; 3]],
+        particle: &impl Fn(u32) -> u32,
+    ) -> Self {
+        if torn_from.torn_edges.is_empty() {
+            return Self::default();
+        }
+        // The vertex that shows each particle, unless there are several.
+        let mut shown = vec![None; topology.particle_count()];
+        for &vertex in triangles.as_flattened() {
+            let known = shown[particle(vertex) as usize].get_or_insert(Some(vertex));
+            *known = known.filter(|&known| known == vertex);
+        }
+        let one = |of: u32| shown[of as usize].flatten();
+        let frayed = FrayedEdges::new(topology, &torn_from.past(), |particle| one(particle).is_some());
+        let points = || frayed.particles.values().chain(frayed.edges.values());
+        let mut triangle_of: BTreeMap<[u32; 3], [u32; 3]> =
+            points().map(|point| (sorted(topology.faces()[point.face as usize]), [u32::MAX; 3])).collect();
+        for &triangle in triangles {
+            if let Some(known) = triangle_of.get_mut(&sorted(triangle.map(particle))) {
+                *known = triangle;
+            }
+        }
+        let vertex = |&FacePoint { face, weights }: &FacePoint| {
+            let face = topology.faces()[face as usize];
+            let triangle = triangle_of.get(&sorted(face))?;
+            let of = |corner: u32| triangle.iter().copied().find(|&vertex| particle(vertex) == corner);
+            let [a, b, c] = face.map(of);
+            Some(CutVertex { vertices: [a?, b?, c?], weights })
+        };
+        Self {
+            vertices: frayed
+                .particles
+                .iter()
+                .filter_map(|(&particle, point)| Some((one(particle)?, vertex(point)?)))
+                .collect(),
+            edges: frayed.edges.iter().filter_map(|(&edge, point)| Some((edge, vertex(point)?))).collect(),
+        }
+    }
+}
+
 fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
     corners.sort_unstable();
     corners
 }
 
-/// Writes the positions and normals of `cut` vertices, which come behind those between which they lie.
-pub(crate) fn write_cut(cut: &[CutVertex], positions: &mut [[f32; 3]], normals: &mut [[f32; 3]]) {
+/// Writes the positions and normals of `cut` vertices, which come behind those whose weights they have, and returns the
+/// greatest distance in metres of one that lies outside its triangle from the nearest corner.
+pub(crate) fn write_cut(
+    cut: &[CutVertex],
+    space: &EntitySpace,
+    positions: &mut [[f32; 3]],
+    normals: &mut [[f32; 3]],
+) -> f32 {
     let count = positions.len() - cut.len();
+    let mut greatest = 0.0_f32;
     for (vertex, place) in cut.iter().zip(count..) {
-        positions[place] = vertex.blend(&positions[..count]).to_array();
+        let at = vertex.blend(&positions[..count]);
+        if vertex.is_outside() {
+            let offset = at - Vec3::from_array(positions[vertex.nearest() as usize]);
+            greatest = greatest.max(space.to_world.transform_vector3(offset).length());
+        }
+        positions[place] = at.to_array();
         normals[place] = vertex.blend(&normals[..count]).normalize_or(Vec3::Z).to_array();
     }
+    greatest
 }
 
 /// Gives the last vertices of a mesh, which are `cut`, values between those of others in each attribute of two to four `f32`s, such as

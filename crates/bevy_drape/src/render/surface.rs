@@ -78,7 +78,7 @@ pub(crate) struct Surface {
     /// Mesh that is written.
     pub mesh: AssetId<Mesh>,
     vertices: Vertices,
-    /// The vertices behind those, on the edges of cuts.
+    /// The vertices behind those, on the edges of cuts and tears.
     cut: Vec<CutVertex>,
     previous: StepPositions,
     current: StepPositions,
@@ -149,6 +149,12 @@ impl Surface {
         let positions = resample(&self.current.positions, self.layout, layout);
         let current = StepPositions { positions, ..self.current };
         Self { current, ..Self::new(particles, topology, layout) }
+    }
+
+    /// True if some vertices lie between others, as those on the edges of cuts and tears.
+    #[cfg(feature = "gpu")]
+    pub fn is_frayed(&self) -> bool {
+        !self.cut.is_empty()
     }
 
     /// Returns the map from welded vertices to particles, if vertices are welded.
@@ -341,7 +347,7 @@ impl Surface {
                 return Aabb::from_min_max(low, high);
             }
         }
-        write_cut(&self.cut, cut_positions, cut_normals);
+        self.overhang = write_cut(&self.cut, space, cut_positions, cut_normals);
         self.bounds(space, fraction, carried.greatest)
     }
 

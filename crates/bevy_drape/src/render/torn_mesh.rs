@@ -11,6 +11,7 @@ use drape_solver::Topology;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::{RestoredMesh, TornMesh};
+use crate::body::torn_from::TornFrom;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::attributes::indices;
 use crate::render::cut_vertices::{DrawnTriangles, blend_attributes};
@@ -67,17 +68,17 @@ impl<'a> Showing<'a> {
         Arc::ptr_eq(&self.surface.topology, topology)
     }
 
-    /// The mesh of a piece of the body, whose particles have these origins; none if a vertex or the data are missing.
-    fn torn(self, origins: &[u32], topology: &Arc<Topology>) -> Option<ShownMesh> {
+    /// The mesh of a piece of the body with this past, whose particles have these origins in the mesh; none if a vertex or the data are
+    /// missing.
+    fn torn(self, origins: &[u32], topology: &Arc<Topology>, torn_from: &TornFrom) -> Option<ShownMesh> {
         let vertices = self.surface.welded().map(|vertices| vertices.torn(origins, topology));
+        let body = (&**topology, torn_from);
         let (from, drawn) = match &vertices {
             Some(TornVertices { map, origins }) => {
                 let particle = |vertex: u32| map.particles[vertex as usize].unwrap_or_default();
-                (&**origins, DrawnTriangles::new(topology, map.triangles(), origins.len(), particle))
+                (&**origins, DrawnTriangles::new(body, map.triangles(), origins.len(), particle))
             }
-            None => {
-                (origins, DrawnTriangles::new(topology, topology.faces(), origins.len(), |vertex| vertex))
-            }
+            None => (origins, DrawnTriangles::new(body, topology.faces(), origins.len(), |vertex| vertex)),
         };
         let mesh = torn_mesh(self.mesh, from, &drawn)?;
         let welded = vertices.as_ref().map(|TornVertices { map, .. }| {
@@ -143,8 +144,9 @@ pub(crate) fn tear_meshes(
         if origins.len() != sticks.particle_count() {
             continue;
         }
-        let Some(mut shown) = before.torn(origins, &sticks.0) else { continue };
-        if state.torn_from.as_ref().is_some_and(|torn_from| before.has(&torn_from.whole.topology)) {
+        let Some(torn_from) = &state.torn_from else { continue };
+        let Some(mut shown) = before.torn(origins, &sticks.0, torn_from) else { continue };
+        if before.has(&torn_from.whole.topology) {
             let known = wholes.iter().find(|(of, _)| of == source).map(|(_, whole)| whole.clone());
             let whole = known.unwrap_or_else(|| WholeMesh(before.cloned().into()));
             wholes.push((*source, whole.clone()));
@@ -204,7 +206,7 @@ pub(crate) fn restore_meshes(
         made.extend(
             whole
                 .showing()
-                .torn(&torn_from.origins, &sticks.0)
+                .torn(&torn_from.origins, &sticks.0, torn_from)
                 .map(|torn| (entity, particles, sticks, transform, torn)),
         );
         commands.entity(entity).insert(WholeMesh(whole));
@@ -219,7 +221,7 @@ pub(crate) fn restore_meshes(
     }
 }
 
-/// Creates a mesh with the vertices `origins` of another, in this order, those on the edges of cuts, and these triangles; none if a
+/// Creates a mesh with the vertices `origins` of another, in this order, those on the edges of cuts and tears, and these triangles; none if a
 /// vertex or the data are missing.
 fn torn_mesh(mesh: &Mesh, origins: &[u32], drawn: &DrawnTriangles) -> Option<Mesh> {
     let count = mesh.count_vertices();

@@ -33,15 +33,18 @@ pub(super) struct PlainTear {
     whole: u64,
     /// For each particle, that of the whole body.
     origins: Vec<u32>,
+    /// The edges along which the whole body has torn.
+    torn_edges: Vec<[u32; 2]>,
     topology: TornTopology,
 }
 
 impl From<TearSnapshot> for PlainTear {
     fn from(tear: TearSnapshot) -> Self {
         match tear {
-            TearSnapshot::Shared(TornFrom { whole, origins }, topology) => Self {
+            TearSnapshot::Shared(TornFrom { whole, origins, torn_edges }, topology) => Self {
                 whole: whole.order,
                 origins: origins.to_vec(),
+                torn_edges: torn_edges.to_vec(),
                 topology: TornTopology::new(&topology, &whole.topology),
             },
             TearSnapshot::Plain(plain) => plain,
@@ -83,21 +86,28 @@ impl TearSnapshot {
         whole: &Arc<WholeBody>,
         particles: &ParticlesSnapshot,
     ) -> Result<(TornFrom, Arc<Topology>), BuildError> {
-        let (origins, topology): (Arc<[u32]>, _) = match self {
-            Self::Shared(torn_from, topology) => (Arc::clone(&torn_from.origins), Arc::clone(topology)),
-            Self::Plain(PlainTear { origins, topology, .. }) => {
-                (origins.as_slice().into(), topology.build(&whole.topology)?.into())
+        let whole = Arc::clone(whole);
+        let (torn_from, topology) = match self {
+            Self::Shared(torn_from, topology) => {
+                (TornFrom { whole, ..torn_from.clone() }, Arc::clone(topology))
+            }
+            Self::Plain(PlainTear { origins, torn_edges, topology, .. }) => {
+                let topology = topology.build(&whole.topology)?.into();
+                let (origins, torn_edges) = (origins.as_slice().into(), torn_edges.as_slice().into());
+                (TornFrom { whole, origins, torn_edges }, topology)
             }
         };
+        let TornFrom { whole, origins, torn_edges } = &torn_from;
         let count = whole.topology.particle_count();
-        if let Some(&index) = origins.iter().find(|&&origin| origin as usize >= count) {
+        let mut named = origins.iter().chain(torn_edges.as_flattened());
+        if let Some(&index) = named.find(|&&particle| particle as usize >= count) {
             return Err(BuildError::NoSuchParticle { what: "a torn body", index, count: count as u32 });
         }
         if origins.len() != topology.particle_count() {
             return Err(BuildError::BadTopology { reason: "it has other particles than its sticks join" });
         }
         particles.validate(topology.particle_count())?;
-        Ok((TornFrom { whole: Arc::clone(whole), origins }, topology))
+        Ok((torn_from, topology))
     }
 }
 
@@ -124,7 +134,7 @@ pub(super) fn left_of(whole: u64, world: &World, keys: &Keys) -> Option<Entity> 
 pub(super) fn spawn(order: u64, whole: &Arc<WholeBody>, other: Entity, world: &mut World) -> Option<Entity> {
     #[cfg(feature = "mesh")]
     crate::render::torn_mesh::keep_whole_mesh(world, other, &whole.topology);
-    let torn_from = Some(TornFrom { whole: Arc::clone(whole), origins: [].into() });
+    let torn_from = Some(TornFrom { whole: Arc::clone(whole), origins: [].into(), torn_edges: [].into() });
     let state = BodyState { order, torn_from, ..state_of_piece(world.get(other)?) };
     let piece = world.entity_mut(other).clone_and_spawn_with_opt_out(leave_out_body);
     let parts = (Particles::default(), Sticks::default(), Activity::default());

@@ -82,7 +82,7 @@ impl Tearing<'_, '_> {
                 None
             }
         };
-        let Some(Torn { origins, sticks: torn_sticks, pieces }) = torn else {
+        let Some(Torn { origins, sticks: torn_sticks, edges, pieces }) = torn else {
             particles.bypass_change_detection().0 = body.particles;
             return;
         };
@@ -96,6 +96,7 @@ impl Tearing<'_, '_> {
         {
             self.commands.entity(entity).insert(WholePose(posed.clone()));
         }
+        let was = was.torn_along(&edges);
         state.torn_from = Some(was.torn(&origins));
         for TornStick { position, length, rest_length, .. } in torn_sticks {
             self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });

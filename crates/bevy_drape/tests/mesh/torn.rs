@@ -123,6 +123,84 @@ fn shown(app: &App, entity: Entity) -> (Vec<Vec3>, Vec<[f32; 2]>, Vec<usize>) {
     (world_vertices(app, entity), texture_coordinates(app, entity), indices)
 }
 
+/// A curtain of 1 m x 1 m that hangs in a frame, as a grid or as a mesh, and a ball that tears it; all of its pieces stay.
+fn curtain_and_ball(is_mesh: bool) -> App {
+    let mut app = app();
+    let tearable = Tearable { strain: 0.1, least_particles: 0, ..default() };
+    let frame: Vec<u32> =
+        (0..441).filter(|i| [i % 21, i / 21].iter().any(|&at| at == 0 || at == 20)).collect();
+    if is_mesh {
+        let plane = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(19).build();
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(plane);
+        let cloth = ClothMesh { pins: frame, ..default() };
+        app.world_mut().spawn((cloth, Mesh3d(mesh), tearable));
+    } else {
+        let cloth = Cloth::new(1.0, 1.0).with_particles(21, 21).with_pins(ClothPins::Indices(frame));
+        app.world_mut().spawn((cloth, tearable));
+    }
+    let ball = Projectile { radius: 0.15, mass: 8.0, velocity: Vec3::NEG_Z * 15.0, ..default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(0.1, 0.07, 0.4)));
+    start(&mut app);
+    app
+}
+
+/// Torn cloth is drawn with frayed edges: with more vertices than particles, all of its texture, and inside its bounds.
+#[test]
+fn torn_cloth_is_drawn_with_frayed_edges_and_all_of_its_texture() {
+    for is_mesh in [false, true] {
+        let mut app = curtain_and_ball(is_mesh);
+        frame(&mut app, 1.0);
+        let mut frayed = 0;
+        for step in 0..30 {
+            frame(&mut app, 0.7);
+            let (mut bodies, mut area) = (app.world_mut().query_filtered::<Entity, With<Particles>>(), 0.0);
+            let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
+            frayed = 0;
+            for entity in bodies {
+                let (places, texture, indices) = shown(&app, entity);
+                frayed += places.len() - particles(&app, entity).len();
+                let bounds = app.world().get::<bevy::camera::primitives::Aabb>(entity).expect("bounds");
+                for &place in &places {
+                    let off = (Vec3::from(bounds.center) - place).abs() - Vec3::from(bounds.half_extents);
+                    assert!(off.max_element() < 1e-6, "{place} is outside by {off} in step {step}");
+                }
+                for corners in indices.as_chunks().0 {
+                    let [a, b, c] = corners.map(|i: usize| Vec2::from(texture[i]));
+                    area += 0.5 * (b - a).perp_dot(c - a).abs();
+                }
+            }
+            assert!((area - 1.0).abs() < 1e-4, "{area} of the texture is drawn in step {step}");
+        }
+        assert!(frayed > 60, "{frayed}");
+    }
+}
+
+/// Snapshots bring frayed edges back bit for bit, in this world and in another.
+#[test]
+fn frayed_edges_go_back() {
+    for is_mesh in [false, true] {
+        let mut app = curtain_and_ball(is_mesh);
+        (0..25).for_each(|_| frame(&mut app, 1.0));
+        let all = |app: &mut App| {
+            let bodies: Vec<Entity> =
+                members(app.world_mut()).into_iter().map(|(_, entity)| entity).collect();
+            let bodies = bodies.into_iter().filter(|&entity| app.world().get::<Particles>(entity).is_some());
+            bodies.map(|entity| shown(app, entity)).collect::<Vec<_>>()
+        };
+        let torn = Snapshot::take(app.world_mut());
+        frame(&mut app, 1.0);
+        let then = all(&mut app);
+        assert!(then.len() > 1, "a piece came off");
+        let mut other = curtain_and_ball(is_mesh);
+        for app in [&mut app, &mut other] {
+            (0..3).for_each(|_| frame(app, 1.0));
+            torn.restore(app.world_mut()).expect("the same scene");
+            frame(app, 1.0);
+            assert!(all(app) == then, "drawn otherwise");
+        }
+    }
+}
+
 /// A snapshot from before a cut brings the whole mesh back, one from after it those of both pieces, in this world and in another one
 /// in which nothing was cut. Grids and meshes, which have their own vertices, do so alike.
 #[test]

@@ -40,6 +40,7 @@ impl Body {
         Ok(parted.map(|parted| Torn {
             origins: parted.origins,
             sticks: parted.severed,
+            edges: Vec::new(),
             pieces: parted.pieces,
         }))
     }

@@ -1,7 +1,7 @@
 //! Tears and cuts: stretched sticks tear, blades cut, and bodies separate into pieces.
 //!
 //! `tear.rs` and `cut.rs` choose the cracks, `split.rs` splits particles there and decides which sticks stay (`joined`),
-//! `pieces.rs` and `piece_topology.rs` build the bodies.
+//! `pieces.rs` and `piece_topology.rs` build the bodies. `frayed_edges.rs` tells how torn edges are to be drawn.
 //!
 //! ```
 //! use drape_solver::glam::Vec3;
@@ -24,6 +24,7 @@
 pub(crate) mod blade;
 pub mod cut;
 pub(crate) mod elements;
+pub mod frayed_edges;
 pub(crate) mod piece_topology;
 pub mod pieces;
 pub(crate) mod split;

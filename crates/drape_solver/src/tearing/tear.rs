@@ -63,6 +63,8 @@ pub struct Torn {
     pub origins: Vec<u32>,
     /// The sticks that tore or were cut.
     pub sticks: Vec<TornStick>,
+    /// The edges of faces along which it tore, by their particles before, the lower index first, in order. A cut has none.
+    pub edges: Vec<[u32; 2]>,
     /// The pieces that have separated, largest first.
     pub pieces: Vec<Piece>,
 }
@@ -113,7 +115,8 @@ impl Body {
             }
         }
         let parted = pieces::part(self, &Elements::of(&self.topology), &cracks)?;
-        Ok(parted.map(|parted| Torn { origins: parted.origins, sticks, pieces: parted.pieces }))
+        let edges = cracks.edges.into_iter().collect();
+        Ok(parted.map(|parted| Torn { origins: parted.origins, sticks, edges, pieces: parted.pieces }))
     }
 
     /// Adds the cracks of a stick that pulls at one of its ends. Returns that end, or none if neither can be split.

@@ -26,6 +26,7 @@ mod drape_coefficient;
 mod drawn;
 mod dynamic_obstacles;
 mod frame_motion;
+mod frayed_edges;
 mod free_flight;
 mod friction;
 mod galilean;
