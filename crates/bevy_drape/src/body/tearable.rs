@@ -22,7 +22,7 @@ use drape_solver::TearLimits;
 /// }
 /// ```
 ///
-/// A tear opens cloth along the edges of its faces, a cut along the blade: faces that it crosses are divided. Nothing is lost,
+/// A tear runs along the edges of faces and is drawn with frayed edges; a cut follows the blade and divides faces. Nothing is lost,
 /// and texture coordinates stay the same on both sides. Each piece that comes off is a new entity: a clone of the torn one, with
 /// the same material, settings and components, but with its own particles, sticks and mesh, and without a description such as
 /// [`Cloth`](crate::build::cloth::Cloth). The largest piece stays on the torn entity. Observe
