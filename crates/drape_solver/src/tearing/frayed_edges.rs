@@ -67,7 +67,7 @@ impl FrayedEdges {
         let mut fans: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         let mut sides: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         for (face, &corners) in (0..).zip(&body.faces) {
-            if !corners.iter().any(|&corner| tear.fans.contains_key(&origin(corner))) {
+            if !corners.iter().any(|&corner| tear.is_end[origin(corner) as usize]) {
                 continue;
             }
             corners.iter().for_each(|&corner| fans.entry(corner).or_default().push(face));
@@ -108,6 +108,8 @@ impl FrayedEdges {
 struct Tear<'a> {
     whole: &'a Topology,
     edges: BTreeSet<[u32; 2]>,
+    /// True for each end of an edge.
+    is_end: Vec<bool>,
     /// The faces around each end of an edge.
     fans: BTreeMap<u32, Vec<u32>>,
     /// The other ends of the edges at each end of one, in the order in which they tore.
@@ -130,7 +132,7 @@ impl<'a> Tear<'a> {
                 fans.entry(corner).or_default().push(face);
             }
         }
-        Self { whole, edges: edges.iter().copied().collect(), fans, neighbours, seed }
+        Self { whole, edges: edges.iter().copied().collect(), is_end, fans, neighbours, seed }
     }
 
     fn rest(&self, particle: u32) -> Vec3 {
