@@ -142,6 +142,12 @@ impl StickBatch {
         index_in_family(i - self.first, severed)
     }
 
+    /// The number of stick `place` of its whole family, if these are `severed`; none if it is one of them.
+    pub(crate) fn number_of(&self, place: usize, severed: &[u32]) -> Option<usize> {
+        let before = severed.binary_search(&(place as u32)).err()?;
+        Some(self.first + place - before)
+    }
+
     /// The family of a grid to which the sticks belong, unless they are listed one by one. It does not tell which of its sticks are severed:
     /// see [`Topology::grid_size`].
     pub fn family(&self) -> Option<GridFamily> {

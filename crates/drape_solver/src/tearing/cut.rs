@@ -36,7 +36,7 @@ impl Body {
             let links = self.topology.segments.iter();
             cracks.particles.extend(links.filter_map(|&link| self.end_at(link, blade)));
         }
-        let parted = pieces::part(self, &elements, &cracks)?;
+        let parted = pieces::part(self, &elements, &cracks, None)?;
         Ok(parted.map(|parted| Torn {
             origins: parted.origins,
             sticks: parted.severed,

@@ -203,7 +203,7 @@ impl<'a> Tear<'a> {
         Some([along, normal.cross(along)])
     }
 
-    /// A number from -1 to 1 that is always the same for an edge of the body, or a particle (SplitMix64, Steele et al. 2014).
+    /// A number from -1 to 1 that is always the same for an edge of the body, or a particle (`SplitMix64`, Steele et al. 2014).
     fn random(&self, [a, b]: [u32; 2], place: u64) -> f32 {
         let mut bits = u64::from(a) << 32 | u64::from(b);
         for next in [self.seed, place] {

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use crate::build::adjacency::Adjacency;
 use crate::constraint::bending_friction;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
@@ -38,7 +39,8 @@ pub(crate) struct Parted {
     pub severed: Vec<TornStick>,
 }
 
-/// Opens the cracks of a body, which becomes its largest piece. Returns none if nothing changes.
+/// Opens the cracks of a body, which becomes its largest piece. Returns none if nothing changes. `adjacency` is that of its elements, if
+/// it is known.
 ///
 /// # Errors
 /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
@@ -46,13 +48,15 @@ pub(crate) fn part(
     body: &mut Body,
     elements: &Elements,
     cracks: &Cracks,
+    adjacency: Option<Adjacency>,
 ) -> Result<Option<Parted>, BuildError> {
     let topology = Arc::clone(&body.topology);
     body.particles.arrange(&topology.layout);
     if cracks.is_empty() {
         return Ok(None);
     }
-    let Some(split) = Split::new(&topology, elements, cracks) else {
+    let adjacency = adjacency.unwrap_or_else(|| Adjacency::of(&topology, &elements.corners));
+    let Some(split) = Split::new(adjacency, elements, cracks) else {
         return Ok(None);
     };
     let mut severed = Vec::new();
@@ -134,11 +138,7 @@ fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
         let mut sticks: Vec<usize> = slots.flat_map(|slot| grid.sticks_at(slot)).collect();
         sticks.sort_unstable();
         sticks.dedup();
-        let number = |stick: usize| {
-            let place = severed.binary_search(&(stick as u32)).err()?;
-            Some(batch.first + stick - place)
-        };
-        sticks.into_iter().filter_map(number).collect()
+        sticks.into_iter().filter_map(|stick| batch.number_of(stick, severed)).collect()
     } else {
         batch.range().filter(|&i| split.may_concern(topology.stick(i))).collect()
     }

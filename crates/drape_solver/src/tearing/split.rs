@@ -20,7 +20,6 @@ use glam::Vec3;
 
 use crate::build::adjacency::Adjacency;
 use crate::state::face_part::FacePart;
-use crate::state::topology::Topology;
 use crate::tearing::elements::{Elements, edge_by};
 
 /// The edges and particles at which a body separates.
@@ -73,9 +72,9 @@ pub(crate) struct Split<'a> {
 
 impl<'a> Split<'a> {
     /// Opens the cracks; none if no particle is split and no face has changed.
-    pub fn new(topology: &'a Topology, elements: &'a Elements, cracks: &Cracks) -> Option<Self> {
-        let adjacency = Adjacency::of(topology, &elements.corners);
-        let count = adjacency.topology().particle_count();
+    pub fn new(adjacency: Adjacency<'a>, elements: &'a Elements, cracks: &Cracks) -> Option<Self> {
+        let topology = adjacency.topology();
+        let count = topology.particle_count();
         let corners = if adjacency.has_faces() {
             elements.corners.clone()
         } else {

@@ -15,13 +15,14 @@
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use crate::build::adjacency::Adjacency;
-use crate::constraint::strain::greatest_stretch;
+use crate::constraint::strain::add_stretched;
 use crate::error::BuildError;
 use crate::state::body::Body;
-use crate::state::topology::{StickBatch, StickBound, StickKind};
 use crate::tearing::elements::Elements;
 use crate::tearing::pieces::{self, Piece};
 use crate::tearing::split::Cracks;
@@ -80,29 +81,19 @@ impl Body {
     /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
     pub fn tear(&mut self, limits: &TearLimits) -> Result<Option<Torn>, BuildError> {
         self.particles.arrange(&self.topology.layout);
-        let stretch = greatest_stretch(self);
-        // NaN tears nothing.
-        if stretch.is_nan() || stretch <= limits.strain {
+        let topology = Arc::clone(&self.topology);
+        let mut too_long = Vec::new();
+        topology.batches.iter().for_each(|batch| add_stretched(self, batch, limits.strain, &mut too_long));
+        if too_long.is_empty() {
             return Ok(None);
         }
-        let mut stretched = Vec::new();
-        let places: Vec<Vec3> = self.particles.local_positions().collect();
-        // A stick that only keeps its ends apart cannot be too long.
-        let may_tear = |batch: &&StickBatch| {
-            batch.material.kind == StickKind::Structural && batch.material.bound != StickBound::AtLeast
-        };
-        for batch in self.topology.batches.iter().filter(may_tear) {
-            for (i, ([a, b], rest_length)) in batch.range().zip(self.topology.sticks_of(batch)) {
-                let strain = places[a as usize].distance(places[b as usize]) / rest_length - 1.0;
-                if strain > limits.strain {
-                    stretched.push((strain, self.torn_stick(i)));
-                }
-            }
-        }
+        let sticks = too_long.into_iter().map(|i| self.torn_stick(i));
+        let mut stretched: Vec<(f32, TornStick)> =
+            sticks.map(|stick| (stick.length / stick.rest_length - 1.0, stick)).collect();
         stretched.sort_by(|(p, a), (q, b)| q.total_cmp(p).then(a.particles.cmp(&b.particles)));
         let mut cracks = Cracks::default();
         let mut sticks = Vec::new();
-        let adjacency = Adjacency::new(&self.topology);
+        let adjacency = Adjacency::new(&topology);
         let mut is_used = vec![false; self.particles.len()];
         for (_, stick) in stretched {
             if sticks.len() >= limits.most as usize {
@@ -114,7 +105,9 @@ impl Body {
                 sticks.push(stick);
             }
         }
-        let parted = pieces::part(self, &Elements::of(&self.topology), &cracks)?;
+        // Without parts of faces, the elements are the faces.
+        let known = topology.parts.is_empty().then_some(adjacency);
+        let parted = pieces::part(self, &Elements::of(&topology), &cracks, known)?;
         let edges = cracks.edges.into_iter().collect();
         Ok(parted.map(|parted| Torn { origins: parted.origins, sticks, edges, pieces: parted.pieces }))
     }
