@@ -22,7 +22,7 @@ pub(super) enum TearSnapshot {
     /// Shared with the running world that it was taken of.
     Shared(TornFrom, Arc<Topology>),
     /// As read from a file.
-    Plain(PlainTear),
+    Plain(Box<PlainTear>),
 }
 
 /// The same as plain numbers.
@@ -47,14 +47,14 @@ impl From<TearSnapshot> for PlainTear {
                 torn_edges: torn_edges.to_vec(),
                 topology: TornTopology::new(&topology, &whole.topology),
             },
-            TearSnapshot::Plain(plain) => plain,
+            TearSnapshot::Plain(plain) => *plain,
         }
     }
 }
 
 impl From<PlainTear> for TearSnapshot {
     fn from(plain: PlainTear) -> Self {
-        Self::Plain(plain)
+        Self::Plain(plain.into())
     }
 }
 
@@ -91,7 +91,8 @@ impl TearSnapshot {
             Self::Shared(torn_from, topology) => {
                 (TornFrom { whole, ..torn_from.clone() }, Arc::clone(topology))
             }
-            Self::Plain(PlainTear { origins, torn_edges, topology, .. }) => {
+            Self::Plain(plain) => {
+                let PlainTear { origins, torn_edges, topology, .. } = &**plain;
                 let topology = topology.build(&whole.topology)?.into();
                 let (origins, torn_edges) = (origins.as_slice().into(), torn_edges.as_slice().into());
                 (TornFrom { whole, origins, torn_edges }, topology)

@@ -187,6 +187,7 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
         let torn =
             cut(&mut body, &blade(Vec3::new(-0.2, line, 0.0), Vec3::new(2.0, line, 0.0))).expect("cut");
         assert!(torn.pieces.is_empty(), "it still hangs together at the left");
+        assert!(torn.edges.is_empty(), "a cut is straight");
         // A particle is on the same side as what it carries.
         let mut side = vec![0.0; body.particles.len()];
         for (face, polygon) in polygons(&body) {
