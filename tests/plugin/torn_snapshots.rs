@@ -6,6 +6,7 @@ use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::{Key, Snapshot, SnapshotError, members};
 use bevy_drape::tear::{BodySplit, CutCloth};
+use bevy_drape_script::checkpoint::Checkpoint;
 
 use crate::common::*;
 use crate::snapshots::RolledBack;
@@ -283,6 +284,10 @@ fn tears_go_back() {
             assert_eq!(state(&mut app), *then, "from {from}");
         }
     }
+    // Files hold the edges along which it tore.
+    let checkpoint = Checkpoint::take(app.world_mut(), "torn");
+    let bytes = checkpoint.to_bytes().expect("can be written");
+    assert!(Checkpoint::from_bytes(&bytes).expect("can be read") == checkpoint);
     saved[0].0.restore(app.world_mut()).expect("of this world");
     assert_eq!(torn(&mut app), 81);
     let mut splits = app.world_mut().resource_mut::<Messages<BodySplit>>();

@@ -115,8 +115,8 @@ pub(crate) fn move_to_gpu(
                 "the GPU knows no bodies but Cloth, ClothMesh, Rope and SoftBall".to_string()
             }
             None if !sticks.face_parts().is_empty() => "its faces were cut".to_string(),
-            None if components.get::<Surface>().is_some_and(Surface::is_frayed) => {
-                "it is drawn with frayed edges".to_string()
+            None if components.get::<BodyState>().is_some_and(|state| state.torn_from.is_some()) => {
+                "it is torn".to_string()
             }
             None if driven.iter().any(|driven| driven.driver == entity) => {
                 "a DrivenMesh follows it".to_string()

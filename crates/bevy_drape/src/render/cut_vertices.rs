@@ -49,7 +49,8 @@ pub(crate) struct DrawnTriangles {
 impl DrawnTriangles {
     /// Those of a torn body with this topology that is shown by `triangles` among `count` vertices.
     pub fn new(
-        (topology, torn_from): (&Topology, &TornFrom),
+        topology: &Topology,
+        torn_from: &TornFrom,
         triangles: &[[u32; 3]],
         count: usize,
         particle: impl Fn(u32) -> u32,
@@ -166,17 +167,17 @@ impl FrayedVertices {
         let one = |of: u32| shown[of as usize].flatten();
         let frayed = FrayedEdges::new(topology, &torn_from.past(), |particle| one(particle).is_some());
         let points = || frayed.particles.values().chain(frayed.edges.values());
-        let mut triangle_of: BTreeMap<[u32; 3], [u32; 3]> =
-            points().map(|point| (sorted(topology.faces()[point.face as usize]), [u32::MAX; 3])).collect();
+        let mut triangle_of: BTreeMap<[u32; 3], Option<[u32; 3]>> =
+            points().map(|point| (sorted(topology.faces()[point.face as usize]), None)).collect();
         for &triangle in triangles {
             if let Some(known) = triangle_of.get_mut(&sorted(triangle.map(particle))) {
-                *known = triangle;
+                *known = Some(triangle);
             }
         }
         let vertex = |&FacePoint { face, weights }: &FacePoint| {
             let face = topology.faces()[face as usize];
-            let triangle = triangle_of.get(&sorted(face))?;
-            let of = |corner: u32| triangle.iter().copied().find(|&vertex| particle(vertex) == corner);
+            let triangle = (*triangle_of.get(&sorted(face))?)?;
+            let of = |corner: u32| triangle.into_iter().find(|&vertex| particle(vertex) == corner);
             let [a, b, c] = face.map(of);
             Some(CutVertex { vertices: [a?, b?, c?], weights })
         };
@@ -222,21 +223,31 @@ pub(crate) fn write_cut(
 /// texture coordinates and colours. In others they keep those of the nearest vertex.
 pub(crate) fn blend_attributes(cut: &[CutVertex], mesh: &mut Mesh) {
     let Ok(attributes) = mesh.try_attributes_mut() else { return };
-    for (_, values) in attributes {
+    for (attribute, values) in attributes {
+        // A texture goes on beyond the edge of a face, colours and the like end there.
+        let is_texture = [Mesh::ATTRIBUTE_UV_0.id, Mesh::ATTRIBUTE_UV_1.id].contains(&attribute.id);
+        let weights = |vertex: &CutVertex| {
+            let inside = vertex.weights.max(Vec3::ZERO);
+            if is_texture { vertex.weights } else { inside / inside.element_sum() }
+        };
         match values {
-            VertexAttributeValues::Float32x2(values) => blend_values(cut, values),
-            VertexAttributeValues::Float32x3(values) => blend_values(cut, values),
-            VertexAttributeValues::Float32x4(values) => blend_values(cut, values),
+            VertexAttributeValues::Float32x2(values) => blend_values(cut, weights, values),
+            VertexAttributeValues::Float32x3(values) => blend_values(cut, weights, values),
+            VertexAttributeValues::Float32x4(values) => blend_values(cut, weights, values),
             _ => {}
         }
     }
 }
 
-fn blend_values<const N: usize>(cut: &[CutVertex], values: &mut [[f32; N]]) {
+fn blend_values<const N: usize>(
+    cut: &[CutVertex],
+    weights: impl Fn(&CutVertex) -> Vec3,
+    values: &mut [[f32; N]],
+) {
     let count = values.len() - cut.len();
     for (vertex, place) in cut.iter().zip(count..) {
         values[place] = core::array::from_fn(|axis| {
-            let weighted = vertex.vertices.iter().zip(vertex.weights.to_array());
+            let weighted = vertex.vertices.iter().zip(weights(vertex).to_array());
             weighted.map(|(&other, weight)| values[other as usize][axis] * weight).sum()
         });
     }

@@ -151,12 +151,6 @@ impl Surface {
         Self { current, ..Self::new(particles, topology, layout) }
     }
 
-    /// True if some vertices lie between others, as those on the edges of cuts and tears.
-    #[cfg(feature = "gpu")]
-    pub fn is_frayed(&self) -> bool {
-        !self.cut.is_empty()
-    }
-
     /// Returns the map from welded vertices to particles, if vertices are welded.
     pub fn welded(&self) -> Option<&VertexMap> {
         match &self.vertices {

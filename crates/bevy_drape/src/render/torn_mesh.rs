@@ -72,13 +72,18 @@ impl<'a> Showing<'a> {
     /// missing.
     fn torn(self, origins: &[u32], topology: &Arc<Topology>, torn_from: &TornFrom) -> Option<ShownMesh> {
         let vertices = self.surface.welded().map(|vertices| vertices.torn(origins, topology));
-        let body = (&**topology, torn_from);
         let (from, drawn) = match &vertices {
             Some(TornVertices { map, origins }) => {
                 let particle = |vertex: u32| map.particles[vertex as usize].unwrap_or_default();
-                (&**origins, DrawnTriangles::new(body, map.triangles(), origins.len(), particle))
+                (
+                    &**origins,
+                    DrawnTriangles::new(topology, torn_from, map.triangles(), origins.len(), particle),
+                )
             }
-            None => (origins, DrawnTriangles::new(body, topology.faces(), origins.len(), |vertex| vertex)),
+            None => (
+                origins,
+                DrawnTriangles::new(topology, torn_from, topology.faces(), origins.len(), |vertex| vertex),
+            ),
         };
         let mesh = torn_mesh(self.mesh, from, &drawn)?;
         let welded = vertices.as_ref().map(|TornVertices { map, .. }| {

@@ -18,7 +18,7 @@ pub(crate) struct VertexMap {
     groups: SmoothingGroups,
 }
 
-/// Vertices of a torn body or piece, but for those on the edges of cuts.
+/// Vertices of a torn body or piece, but for those on the edges of cuts and tears.
 pub(crate) struct TornVertices {
     pub map: VertexMap,
     /// For each vertex, the vertex that it came from.

@@ -166,7 +166,10 @@ fn torn_cloth_is_drawn_with_frayed_edges_and_all_of_its_texture() {
                 }
                 for corners in indices.as_chunks().0 {
                     let [a, b, c] = corners.map(|i: usize| Vec2::from(texture[i]));
-                    area += 0.5 * (b - a).perp_dot(c - a).abs();
+                    // The texture runs downwards.
+                    let own = -0.5 * (b - a).perp_dot(c - a);
+                    assert!(own > 0.0, "a triangle of {own} of the texture in step {step}");
+                    area += own;
                 }
             }
             assert!((area - 1.0).abs() < 1e-4, "{area} of the texture is drawn in step {step}");

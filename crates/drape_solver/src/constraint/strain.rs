@@ -29,8 +29,12 @@ impl Lengths {
         }
     }
 
+    fn stretch(self) -> f32 {
+        self.greatest.sqrt() - 1.0
+    }
+
     fn strain(self) -> f32 {
-        (self.greatest.sqrt() - 1.0).max(1.0 - self.least.sqrt())
+        self.stretch().max(1.0 - self.least.sqrt())
     }
 }
 
@@ -40,46 +44,64 @@ pub(crate) fn greatest_strain(body: &Body, length_ratio: f32) -> f32 {
     lengths(body, length_ratio).strain()
 }
 
-/// Adds the numbers of the structural sticks of a batch that are relaxed and stretched by more than `strain`, but for those that only keep
-/// their ends apart.
-pub(crate) fn add_stretched(body: &Body, batch: &StickBatch, strain: f32, stretched: &mut Vec<usize>) {
-    let Body { particles, topology, .. } = body;
-    if !counts(batch) || batch.material.bound == StickBound::AtLeast {
-        return;
+/// The greatest stretch of these sticks beyond their rest length, in parts of it.
+pub(crate) fn greatest_stretch(body: &Body) -> f32 {
+    lengths(body, 1.0).stretch()
+}
+
+/// The numbers of these sticks that are stretched by more than `strain`, but for those that only keep their ends apart.
+pub(crate) fn stretched_sticks(body: &Body, strain: f32) -> Vec<usize> {
+    let mut stretched = Vec::new();
+    if greatest_stretch(body) <= strain {
+        return stretched;
     }
-    let BatchSticks::Grid { batch: grid, runs, rest_length, severed } = &batch.sticks else {
-        stretched.extend(batch.range().filter(|&i| {
-            let [p, q] = topology.stick_slots(i).map(|slot| particles.position.get(slot));
-            p.distance(q) / topology.rest_length(i) - 1.0 > strain
-        }));
-        return;
-    };
-    let (scale, most) = (1.0 / (rest_length * rest_length), (1.0 + strain) * (1.0 + strain));
-    let (cells_of_strip, strips) = topology.layout.strips();
-    for (band, runs) in runs.bands() {
-        for strip in band.among(&(0..strips)) {
-            let first = strip * cells_of_strip;
-            for run in runs {
-                for k in 0..run.count {
-                    let squared = squared_lengths(&particles.position.cells[first..], run, k, scale);
-                    if squared.iter().copied().fold(0.0, f32::max) <= most {
-                        continue;
-                    }
-                    for lane in (0..LANES).filter(|&lane| squared[lane] > most) {
-                        let slot =
-                            |cell: u32, lane: usize| (first + (cell + k * run.step) as usize) * LANES + lane;
-                        let ends = [slot(run.a, lane), slot(run.b, lane + usize::from(run.shift))];
-                        let place = grid.stick_between(ends);
-                        stretched.extend(place.and_then(|place| batch.number_of(place, severed)));
-                    }
-                }
+    let Body { particles, topology, .. } = body;
+    let most = (1.0 + strain) * (1.0 + strain);
+    for batch in topology.batches.iter().filter(|batch| is_measured(batch)) {
+        let BatchSticks::Grid { batch: grid, runs, rest_length, severed } = &batch.sticks else {
+            let has_length = batch.material.bound != StickBound::AtLeast;
+            stretched.extend(batch.range().filter(|&i| {
+                let [p, q] = topology.stick_slots(i).map(|slot| particles.position.get(slot));
+                has_length && p.distance(q) / topology.rest_length(i) - 1.0 > strain
+            }));
+            continue;
+        };
+        let scale = 1.0 / (rest_length * rest_length);
+        for (first, runs) in topology.layout.runs_by_strip(runs) {
+            let cells = &particles.position.cells[first..];
+            for run in runs.iter().filter(|run| is_stretched(cells, run, most / scale)) {
+                let far = run.slots(first).filter(|&ends| {
+                    let [p, q] = ends.map(|slot| particles.position.get(slot));
+                    p.distance_squared(q) * scale > most
+                });
+                let places = far.filter_map(|ends| grid.stick_between(ends));
+                stretched.extend(places.filter_map(|place| batch.number_of(place, severed)));
             }
         }
     }
+    stretched
 }
 
-/// True if the sticks of a batch count: if they are structural and relaxed.
-fn counts(batch: &StickBatch) -> bool {
+/// True if some places that the sticks of a run may join are farther apart than the root of `most`, less a rounding error.
+fn is_stretched(cells: &[Cell], run: &GridRun, most: f32) -> bool {
+    let shift = usize::from(run.shift);
+    let mut greatest = [0.0_f32; LANES];
+    for k in 0..run.count {
+        let [a, b] = [run.a, run.b].map(|cell| &cells[(cell + k * run.step) as usize]);
+        for (lane, greatest) in greatest.iter_mut().enumerate().take(LANES - shift) {
+            let delta =
+                [b.x[lane + shift] - a.x[lane], b.y[lane + shift] - a.y[lane], b.z[lane + shift] - a.z[lane]];
+            *greatest = greatest.max(delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]);
+        }
+    }
+    greatest.iter().any(|&greatest| greatest > most * (1.0 - ROUNDING))
+}
+
+/// The most by which a squared length is wrong, in parts of it.
+const ROUNDING: f32 = 1e-5;
+
+/// True for batches of structural sticks that are relaxed.
+fn is_measured(batch: &StickBatch) -> bool {
     batch.material.kind == StickKind::Structural && batch.material.stiffness != 0.0
 }
 
@@ -87,7 +109,7 @@ fn lengths(body: &Body, length_ratio: f32) -> Lengths {
     let Body { particles, topology, .. } = body;
     let mut lengths = Lengths { least: 1.0, greatest: 1.0 };
     for batch in &topology.batches {
-        if !counts(batch) {
+        if !is_measured(batch) {
             continue;
         }
         match &batch.sticks {
@@ -123,28 +145,19 @@ fn lengths(body: &Body, length_ratio: f32) -> Lengths {
     lengths
 }
 
-/// Measures the sticks of a run.
+/// Measures the sticks of a run, lane by lane; lanes without a stick count as a stick at rest.
 fn measure_run(cells: &[Cell], run: &GridRun, scale: f32, lengths: &mut Lengths) {
-    for k in 0..run.count {
-        squared_lengths(cells, run, k, scale).into_iter().for_each(|squared| lengths.take(squared));
-    }
-}
-
-/// The squared lengths of the sticks of step `k` of a run, times `scale`; lanes without a stick count as a stick at rest.
-#[inline]
-fn squared_lengths(cells: &[Cell], run: &GridRun, k: u32, scale: f32) -> [f32; LANES] {
     let shift = usize::from(run.shift);
-    let [a, b] = [run.a, run.b].map(|cell| &cells[(cell + k * run.step) as usize]);
-    let mut lengths = [1.0; LANES];
-    for (lane, length) in lengths.iter_mut().enumerate().take(LANES - shift) {
-        let delta =
-            [b.x[lane + shift] - a.x[lane], b.y[lane + shift] - a.y[lane], b.z[lane + shift] - a.z[lane]];
-        let squared = (delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]) * scale;
-        if run.lanes & (1 << lane) != 0 {
-            *length = squared;
+    let has_stick: [bool; LANES] = core::array::from_fn(|lane| run.lanes & (1 << lane) != 0);
+    for k in 0..run.count {
+        let [a, b] = [run.a, run.b].map(|cell| &cells[(cell + k * run.step) as usize]);
+        for (lane, &has_stick) in has_stick.iter().enumerate().take(LANES - shift) {
+            let delta =
+                [b.x[lane + shift] - a.x[lane], b.y[lane + shift] - a.y[lane], b.z[lane + shift] - a.z[lane]];
+            let squared = (delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]) * scale;
+            lengths.take(if has_stick { squared } else { 1.0 });
         }
     }
-    lengths
 }
 
 #[cfg(test)]
@@ -174,7 +187,8 @@ mod tests {
             assert!((greatest - expected).abs() < 1e-5 * expected, "{greatest}, expected {expected}");
         }
     }
-    /// Grids of every size, whole and torn.
+
+    /// Grids of every size, whole and cut.
     #[test]
     fn the_sticks_that_are_stretched_too_far_are_those_that_measuring_each_finds() {
         let sizes = [(5, 5), (20, 17), (4, 60), (64, 50)].into_iter().take(unless_miri(4, 2));
@@ -192,9 +206,8 @@ mod tests {
             }
             body.particles.arrange(&body.topology.layout);
             let strain = 0.02;
-            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            let (mut found, mut expected) = (stretched_sticks(&body, strain), Vec::new());
             for batch in &body.topology.batches {
-                add_stretched(&body, batch, strain, &mut found);
                 let is_structural = batch.material.kind == StickKind::Structural;
                 let sticks = batch.range().filter(|_| is_structural).map(|i| (i, body.torn_stick(i)));
                 expected.extend(

@@ -206,6 +206,15 @@ impl GridRun {
         })
     }
 
+    /// The slots of the ends of its sticks in the strip that begins with this cell.
+    pub fn slots(&self, first: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+        self.cells().flat_map(move |Self { a, b, shift, lanes, .. }| {
+            let [a, b] = [a, b].map(|cell| (first + cell as usize) * LANES);
+            let has_stick = move |lane: &usize| lanes & (1 << lane) != 0;
+            (0..LANES).filter(has_stick).map(move |lane| [a + lane, b + lane + usize::from(shift)])
+        })
+    }
+
     /// Appends `cell` if it continues the run. Returns true if it does.
     fn extend(&mut self, cell: &Self) -> bool {
         let step = if self.count == 1 { cell.a.saturating_sub(self.a) } else { self.step };

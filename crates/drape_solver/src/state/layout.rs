@@ -19,6 +19,7 @@ use std::sync::Arc;
 
 use crate::constants::CELLS_AT_ONCE;
 use crate::simd::columns::LANES;
+use crate::state::grid::{Band, GridRun, GridRuns};
 use crate::state::renumbering::Renumbering;
 use crate::state::torn_grid::TornGrid;
 
@@ -72,6 +73,16 @@ impl Layout {
             Self::Grid(grid) => grid.width * grid.height,
             Self::Torn(torn) => torn.cells(),
         }
+    }
+
+    /// The first cell of each strip in which a family of a grid has sticks, and the runs of those.
+    #[inline]
+    pub fn runs_by_strip<'a>(&self, runs: &'a GridRuns) -> impl Iterator<Item = (usize, &'a [GridRun])> {
+        let (cells_of_strip, strips) = self.strips();
+        let of_band = move |(band, runs): (&Band, &'a [GridRun])| {
+            band.among(&(0..strips)).map(move |strip| (strip * cells_of_strip, runs))
+        };
+        runs.bands().flat_map(of_band)
     }
 
     /// The number of cells in a strip, and the number of strips. The last one may have fewer cells.

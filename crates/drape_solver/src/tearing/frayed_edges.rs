@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!   o---o                  A particle p at a tear is drawn halfway towards the middle m of those before and
-//!       |      o .         behind it, which turns steps into a slope, and a little to any side. Between two
-//!       p---o    m p .     there is one more vertex, beside the middle. Both sides of a tear draw the same
-//!           |        . o   line at rest, so nothing is lost and no gap shows before it opens.
+//!       |      o .         behind it, which turns steps into a slope, and a little aside. Between two there is
+//!       p---o    m p .     one more vertex, beside the middle. Both sides of a tear draw the same line at
+//!           |        . o   rest, so nothing is lost, and no gap shows before it opens.
 //!           o
 //! ```
 //!
@@ -18,7 +18,7 @@ use glam::Vec3;
 
 use crate::state::topology::Topology;
 
-/// A point of the plane of a face: inside it, or beside it at less than half of its width.
+/// A point of the plane of a face: inside it, or beside it at less than its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacePoint {
     /// Index of the face.
@@ -27,7 +27,7 @@ pub struct FacePoint {
     pub weights: Vec3,
 }
 
-/// How a body, or a piece of it, was torn.
+/// The past of a torn body, or of a piece of it.
 #[derive(Clone, Copy, Debug)]
 pub struct TornPast<'a> {
     /// The body before its first tear.
@@ -35,13 +35,13 @@ pub struct TornPast<'a> {
     /// For each particle the index in the whole; for a copy, that of the particle it was split from.
     pub origins: &'a [u32],
     /// The edges of faces along which the whole has torn ([`Torn::edges`](crate::Torn::edges) of all tears), by its particles, the lower
-    /// index first, in the order in which they tore.
+    /// index first, tear by tear.
     pub edges: &'a [[u32; 2]],
     /// Bodies with other seeds fray in other ways.
     pub seed: u64,
 }
 
-/// Where torn cloth is to be drawn in another place than its faces have.
+/// The places of a torn body that are drawn elsewhere than its faces say.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrayedEdges {
     /// The places of particles.
@@ -60,7 +60,7 @@ impl FrayedEdges {
         if past.edges.is_empty() {
             return frayed;
         }
-        let tear = Tear::new(past);
+        let tear = TearLine::new(past);
         let origin = |particle: u32| past.origins[particle as usize];
         let mut is_divided = vec![false; body.faces.len()];
         body.parts.iter().for_each(|part| is_divided[part.face as usize] = true);
@@ -82,22 +82,24 @@ impl FrayedEdges {
             Some(FacePoint { face, weights: weights_at(corners, place) })
                 .filter(|point| point.weights.is_finite())
         };
-        for (&particle, fan) in &fans {
+        let mut moved = BTreeSet::new();
+        for (&[p, q], faces) in &sides {
+            if let [face] = faces[..]
+                && let Some(place) = tear.between(origin(p), origin(q))
+            {
+                moved.extend([p, q]);
+                let between = point(face, place).filter(|_| !is_divided[face as usize]);
+                frayed.edges.extend(between.map(|point| ([p, q], point)));
+            }
+        }
+        for particle in moved {
             let Some(place) = tear.place(origin(particle)) else { continue };
-            let is_torn = fan.len() < tear.fans[&origin(particle)].len();
-            if is_torn && may_move(particle) && fan.iter().all(|&face| !is_divided[face as usize]) {
+            let fan = &fans[&particle];
+            if may_move(particle) && fan.iter().all(|&face| !is_divided[face as usize]) {
                 let inside = |point: &FacePoint| point.weights.min_element();
                 let points = fan.iter().filter_map(|&face| point(face, place));
                 let nearest = points.max_by(|p, q| inside(p).total_cmp(&inside(q)));
                 frayed.particles.extend(nearest.map(|point| (particle, point)));
-            }
-        }
-        for (&[p, q], faces) in &sides {
-            if let [face] = faces[..]
-                && !is_divided[face as usize]
-                && let Some(place) = tear.between(origin(p), origin(q))
-            {
-                frayed.edges.extend(point(face, place).map(|point| ([p, q], point)));
             }
         }
         frayed
@@ -105,19 +107,19 @@ impl FrayedEdges {
 }
 
 /// The edges along which a body has torn, before the tear and at rest. Particles and faces are those of the whole body.
-struct Tear<'a> {
+struct TearLine<'a> {
     whole: &'a Topology,
     edges: BTreeSet<[u32; 2]>,
     /// True for each end of an edge.
     is_end: Vec<bool>,
     /// The faces around each end of an edge.
     fans: BTreeMap<u32, Vec<u32>>,
-    /// The other ends of the edges at each end of one, in the order in which they tore.
+    /// The other ends of the edges at each end of one, tear by tear.
     neighbours: BTreeMap<u32, Vec<u32>>,
     seed: u64,
 }
 
-impl<'a> Tear<'a> {
+impl<'a> TearLine<'a> {
     fn new(&TornPast { whole, edges, seed, .. }: &TornPast<'a>) -> Self {
         let mut neighbours: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for &[a, b] in edges {
@@ -167,21 +169,22 @@ impl<'a> Tear<'a> {
             return None;
         }
         let [from, to] = [a, b].map(|end| self.place(end).unwrap_or_else(|| self.rest(end)));
-        let fan = &self.fans[&a];
+        let fan = self.fans.get(&a)?;
         let [along, across] = self.plane(fan)?;
         let normal = along.cross(across);
         let middle = from.midpoint(to);
-        // The distance from the middle to the other sides of the faces beside the edge, wherever their third corner is drawn.
+        // The distance from the middle to the lines from the ends to the centres of the faces beside the edge, wherever those are drawn: no
+        // vertices of two edges of a face meet.
         let beside = fan.iter().map(|&face| self.whole.faces[face as usize]).filter(|face| face.contains(&b));
         let room = beside.fold(f32::INFINITY, |room, corners| {
             let Some(third) = corners.into_iter().find(|corner| ![a, b].contains(corner)) else {
                 return room;
             };
-            let (third, moved) = (self.rest(third), MOST * width(corners.map(|corner| self.rest(corner))));
+            let centre = (from + to + self.rest(third)) / 3.0;
+            let moved = MOST * width(corners.map(|corner| self.rest(corner))) / 3.0;
             let to_side = |end: Vec3| {
-                let (side, half) = (third - end, middle - end);
-                let length = side.length();
-                (side.cross(half).length() - moved * half.length()) / length.max(moved)
+                let (side, half) = (centre - end, middle - end);
+                (side.cross(half).length() - moved * half.length()) / (side.length() + moved)
             };
             room.min(to_side(from)).min(to_side(to))
         });
@@ -237,4 +240,4 @@ const MOST: f32 = 0.45;
 const ROUGHNESS: f32 = 0.4;
 
 /// Part of the room beside the middle of an edge in which a vertex is drawn.
-const BESIDE_EDGE: f32 = 0.7;
+const BESIDE_EDGE: f32 = 0.9;

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::build::adjacency::Adjacency;
-use crate::constraint::strain::add_stretched;
+use crate::constraint::strain::stretched_sticks;
 use crate::error::BuildError;
 use crate::state::body::Body;
 use crate::tearing::elements::Elements;
@@ -71,7 +71,7 @@ pub struct Torn {
 }
 
 impl Body {
-    /// Tears the body where its structural sticks are longer than `limits` allow; returns none if nothing tears. The body
+    /// Tears the body where its structural sticks, as far as they are relaxed, are longer than `limits` allow; returns none if nothing tears. The body
     /// becomes its largest piece, and [`Torn::pieces`] holds the others.
     ///
     /// Mass, momentum and the area stay. Copies of split particles come behind all others. Pinned particles are not
@@ -82,8 +82,7 @@ impl Body {
     pub fn tear(&mut self, limits: &TearLimits) -> Result<Option<Torn>, BuildError> {
         self.particles.arrange(&self.topology.layout);
         let topology = Arc::clone(&self.topology);
-        let mut too_long = Vec::new();
-        topology.batches.iter().for_each(|batch| add_stretched(self, batch, limits.strain, &mut too_long));
+        let too_long = stretched_sticks(self, limits.strain);
         if too_long.is_empty() {
             return Ok(None);
         }

@@ -175,7 +175,7 @@ impl WeldedVertices {
         Self::new(particles, MeshRepairs::default())
     }
 
-    /// Returns the particle of a vertex; none if it is not a corner of any triangle with an area, or lies on the edge of a cut.
+    /// Returns the particle of a vertex; none if it is not a corner of any triangle with an area, or lies on the edge of a cut or a tear.
     pub fn particle(&self, vertex: usize) -> Option<usize> {
         self.particles.get(vertex).copied().flatten().map(|particle| particle as usize)
     }
