@@ -19,8 +19,7 @@ pub(crate) struct TornFrom {
     pub whole: Arc<WholeBody>,
     /// For each particle, that of the whole body.
     pub origins: Arc<[u32]>,
-    /// The edges along which the whole body has torn so far, by its particles, the lower index first, in the order in which they
-    /// tore.
+    /// The edges along which the whole body has torn so far, by its particles, the lower index first, tear by tear.
     pub torn_edges: Arc<[[u32; 2]]>,
 }
 

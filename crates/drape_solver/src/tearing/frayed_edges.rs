@@ -3,12 +3,12 @@
 //! ```text
 //!   o---o                  A particle p at a tear is drawn halfway towards the middle m of those before and
 //!       |      o .         behind it, which turns steps into a slope, and a little aside. Between two there is
-//!       p---o    m p .     one more vertex, beside the middle. Both sides of a tear draw the same line at
-//!           |        . o   rest, so nothing is lost, and no gap shows before it opens.
+//!       p---o    m p .     one more vertex, beside the middle. If the body is flat at rest, both sides draw
+//!           |        . o   the same line: nothing is lost, and no gap shows before the tear opens.
 //!           o
 //! ```
 //!
-//! What is simulated stays as it is. Only particles inside the whole body move, so its hem keeps its shape.
+//! The simulation stays as it is. Only particles inside the whole body move, so its hem keeps its shape.
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
