@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use drape_solver::{Topology, TornPast};
+use drape_solver::Topology;
+#[cfg(feature = "mesh")]
+use drape_solver::TornPast;
 
 /// A body before its first tear, of which all its pieces know.
 #[derive(Debug)]
@@ -25,6 +27,7 @@ pub(crate) struct TornFrom {
 
 impl TornFrom {
     /// The same for the solver.
+    #[cfg(feature = "mesh")]
     pub fn past(&self) -> TornPast<'_> {
         let Self { whole, origins, torn_edges } = self;
         TornPast { whole: &whole.topology, origins, edges: torn_edges, seed: whole.order }
