@@ -185,7 +185,7 @@ fn above(triangle: &[DVec3; 3], place: DVec3) -> Option<(f64, f64)> {
 }
 
 /// The weights of the corners of a triangle at the foot of a place.
-fn weights_at(&[p, q, r]: &[DVec3; 3], place: DVec3) -> DVec3 {
+pub(crate) fn weights_at(&[p, q, r]: &[DVec3; 3], place: DVec3) -> DVec3 {
     let normal = (q - p).cross(r - p);
     let weight =
         |from: DVec3, to: DVec3| (to - from).cross(place - from).dot(normal) / normal.length_squared();

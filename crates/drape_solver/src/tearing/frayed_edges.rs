@@ -17,6 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 
 use crate::state::topology::Topology;
+use crate::tearing::blade::weights_at;
 
 /// A point of the plane of a face: inside it, or beside it at less than its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,8 +79,8 @@ impl FrayedEdges {
         }
         // A place in the plane of a face; none if the face has no area.
         let point = |face: u32, place: Vec3| {
-            let corners = body.faces[face as usize].map(|corner| tear.rest(origin(corner)));
-            Some(FacePoint { face, weights: weights_at(corners, place) })
+            let corners = body.faces[face as usize].map(|corner| tear.rest(origin(corner)).as_dvec3());
+            Some(FacePoint { face, weights: weights_at(&corners, place.as_dvec3()).as_vec3() })
                 .filter(|point| point.weights.is_finite())
         };
         let mut moved = BTreeSet::new();
@@ -223,14 +224,6 @@ impl<'a> TearLine<'a> {
 fn width([a, b, c]: [Vec3; 3]) -> f32 {
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
-}
-
-/// The weights of the corners of a triangle at the foot of a place.
-fn weights_at([p, q, r]: [Vec3; 3], place: Vec3) -> Vec3 {
-    let normal = (q - p).cross(r - p);
-    let weight = |from: Vec3, to: Vec3| (to - from).cross(place - from).dot(normal) / normal.length_squared();
-    let (of_q, of_r) = (weight(r, p), weight(p, q));
-    Vec3::new(1.0 - of_q - of_r, of_q, of_r)
 }
 
 /// The most by which a particle is drawn beside its place, in widths of the narrowest face around it: below one half no face turns over.
