@@ -69,7 +69,8 @@ impl DrawnTriangles {
                         drawn.add(part, topology.faces()[part.face as usize], triangle, particles, count);
                     }
                 }
-                None => drawn.add_whole(triangle, particles, &frayed, count),
+                None if frayed.is_near(particles) => drawn.add_frayed(triangle, particles, &frayed, count),
+                None => drawn.triangles.push(triangle),
             }
         }
         drawn
@@ -96,8 +97,8 @@ impl DrawnTriangles {
         }
     }
 
-    /// Adds a triangle that no blade has divided.
-    fn add_whole(&mut self, triangle: [u32; 3], particles: [u32; 3], frayed: &FrayedVertices, count: usize) {
+    /// Adds a triangle that no blade has divided, near a torn edge.
+    fn add_frayed(&mut self, triangle: [u32; 3], particles: [u32; 3], frayed: &FrayedVertices, count: usize) {
         let mut corners = triangle;
         for corner in &mut corners {
             if let Some(&vertex) = frayed.vertices.get(corner) {
@@ -146,6 +147,8 @@ struct FrayedVertices {
     vertices: BTreeMap<u32, CutVertex>,
     /// By the particles of the edge on which they lie, the lower index first.
     edges: BTreeMap<[u32; 2], CutVertex>,
+    /// True for the particles of the faces that have such vertices; empty if there are none.
+    is_near: Vec<bool>,
 }
 
 impl FrayedVertices {
@@ -166,11 +169,16 @@ impl FrayedVertices {
         }
         let one = |of: u32| shown[of as usize].flatten();
         let frayed = FrayedEdges::new(topology, &torn_from.past(), |particle| one(particle).is_some());
-        let points = || frayed.particles.values().chain(frayed.edges.values());
-        let mut triangle_of: BTreeMap<[u32; 3], Option<[u32; 3]>> =
-            points().map(|point| (sorted(topology.faces()[point.face as usize]), None)).collect();
+        let points = frayed.particles.values().chain(frayed.edges.values());
+        let faces = points.map(|point| sorted(topology.faces()[point.face as usize]));
+        let mut triangle_of: BTreeMap<[u32; 3], Option<[u32; 3]>> = faces.map(|face| (face, None)).collect();
+        let mut is_near = vec![false; topology.particle_count()];
+        triangle_of.keys().flatten().for_each(|&particle| is_near[particle as usize] = true);
         for &triangle in triangles {
-            if let Some(known) = triangle_of.get_mut(&sorted(triangle.map(particle))) {
+            let particles = triangle.map(particle);
+            if particles.iter().all(|&particle| is_near[particle as usize])
+                && let Some(known) = triangle_of.get_mut(&sorted(particles))
+            {
                 *known = Some(triangle);
             }
         }
@@ -188,7 +196,13 @@ impl FrayedVertices {
                 .filter_map(|(&particle, point)| Some((one(particle)?, vertex(point)?)))
                 .collect(),
             edges: frayed.edges.iter().filter_map(|(&edge, point)| Some((edge, vertex(point)?))).collect(),
+            is_near,
         }
+    }
+
+    /// True if a triangle of these particles may have such vertices.
+    fn is_near(&self, particles: [u32; 3]) -> bool {
+        particles.iter().any(|&particle| self.is_near.get(particle as usize) == Some(&true))
     }
 }
 

@@ -9,6 +9,8 @@ use drape_solver::{
     step,
 };
 
+use crate::drawn::place;
+
 /// Particles along a side of a sheet of 1 m x 1 m.
 const SIDE: u32 = 33;
 const SPACING: f32 = 1.0 / 32.0;
@@ -72,10 +74,7 @@ impl TornSheet {
         for (number, piece) in self.pieces.iter().enumerate() {
             let (topology, frayed) = (&piece.0, self.frayed(piece, seed));
             let rest = |particle: u32| topology.rest_position(particle as usize);
-            let at = |&FacePoint { face, weights }: &FacePoint| {
-                let corners = topology.faces()[face as usize].map(rest);
-                (0..3).map(|i| corners[i] * weights[i]).sum::<Vec3>()
-            };
+            let at = |point: &FacePoint| place_of(topology, point);
             for &[a, b, c] in topology.faces() {
                 let mut outline = Vec::new();
                 for [p, q] in [[a, b], [b, c], [c, a]] {
@@ -94,6 +93,11 @@ impl TornSheet {
         }
         triangles
     }
+}
+
+/// The place of a point of a face at rest.
+fn place_of(topology: &Topology, &FacePoint { face, weights }: &FacePoint) -> Vec3 {
+    place(topology.faces()[face as usize], weights, |i| topology.rest_position(i)).as_vec3()
 }
 
 /// A corner of a triangle.
@@ -151,9 +155,8 @@ fn torn_sheets_are_drawn_with_all_of_their_area_and_no_face_turned_over() {
 fn moved(sheet: &TornSheet, seed: u64) -> BTreeMap<u32, (Vec3, Vec<u32>)> {
     let mut moved = BTreeMap::new();
     for piece in &sheet.pieces {
-        for (particle, FacePoint { face, weights }) in sheet.frayed(piece, seed).particles {
-            let corners = piece.0.faces()[face as usize].map(|corner| piece.0.rest_position(corner as usize));
-            let place = (0..3).map(|i| corners[i] * weights[i]).sum::<Vec3>();
+        for (particle, point) in sheet.frayed(piece, seed).particles {
+            let place = place_of(&piece.0, &point);
             let origin = piece.1[particle as usize];
             let others = sheet.edges.iter().filter(|edge| edge.contains(&origin));
             let others = others.map(|&[a, b]| if a == origin { b } else { a }).collect();
@@ -175,11 +178,9 @@ fn torn_edges_are_rough_and_their_steps_are_slopes() {
         assert_eq!(all, moved(&sheet, 7));
         let others = moved(&sheet, 8);
         for piece in &sheet.pieces {
-            for ([p, q], FacePoint { face, weights }) in sheet.frayed(piece, 7).edges {
+            for ([p, q], point) in sheet.frayed(piece, 7).edges {
                 let rest = |particle: u32| piece.0.rest_position(particle as usize);
-                let corners = piece.0.faces()[face as usize].map(rest);
-                let place = (0..3).map(|i| corners[i] * weights[i]).sum::<Vec3>();
-                let off = (place - rest(p)).reject_from(rest(q) - rest(p)).length();
+                let off = (place_of(&piece.0, &point) - rest(p)).reject_from(rest(q) - rest(p)).length();
                 assert!(off < 0.5 * SPACING, "{off} m beside an edge");
             }
         }
