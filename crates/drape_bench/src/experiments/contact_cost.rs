@@ -96,8 +96,8 @@ fn medians(case: &Case, repeat: u32) -> Result<[f64; 2], StepError> {
 }
 
 /// A free, level cloth at this height in metres.
-fn sheet(n: u32, height: f32) -> Result<Body, BuildError> {
-    let settings = BodySettings { thickness: THICKNESS, drag: 3.0, ..BodySettings::default() };
+fn sheet(n: u32, height: f32, thickness: f32) -> Result<Body, BuildError> {
+    let settings = BodySettings { thickness, drag: 3.0, ..BodySettings::default() };
     let corner = Vec3::new(-0.5 * SIDE, height, 0.5 * SIDE);
     ClothBuilder::new(SIDE, SIDE, n, n).placed(corner, Vec3::X, Vec3::NEG_Z).build(settings)
 }
@@ -124,11 +124,12 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
         let placement = Placement { translation: Vec3::Y * middle, rotation };
         let obstacle = Obstacle::new(shape, placement, 2.0)?;
         let environment = Environment { obstacles: [obstacle].into(), ..Environment::default() };
-        let mut island = Island::of_body(sheet(n, THICKNESS + 0.001)?);
+        let mut island = Island::of_body(sheet(n, THICKNESS + 0.001, THICKNESS)?);
         settle(&mut island, &environment)?;
         let bare = Environment { obstacles: Obstacles::new(), ..environment.clone() };
         cases.push(Case { name, without: (island.clone(), bare), with: (island, environment) });
     }
+    cases.push(over_a_rail(n)?);
     let environment = Environment::default();
     let settings = BodySettings { drag: 3.0, ..BodySettings::default() };
     let corner = Vec3::new(-0.5 * SIDE, 0.0, 0.5 * SIDE);
@@ -150,6 +151,18 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
     });
     cases.push(folded(n)?);
     Ok(cases)
+}
+
+/// A cloth so thin that its faces touch the rail over which it hangs.
+fn over_a_rail(n: u32) -> Result<Case, Box<dyn Error>> {
+    let rail = Shape::Capsule { half_length: 0.6, radius: 0.1 };
+    let rotation = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
+    let obstacle = Obstacle::new(rail, Placement { translation: Vec3::Y * -0.1, rotation }, 2.0)?;
+    let environment = Environment { obstacles: [obstacle].into(), ..Environment::default() };
+    let mut island = Island::of_body(sheet(n, 0.002, 0.001)?);
+    settle(&mut island, &environment)?;
+    let bare = Environment { obstacles: Obstacles::new(), ..environment.clone() };
+    Ok(Case { name: "faces on a rail", without: (island.clone(), bare), with: (island, environment) })
 }
 
 /// A cloth that was dropped on its edge.

@@ -7,7 +7,8 @@ use glam::Vec3;
 use crate::broad_phase::obstacle_search::{FreePath, Query, RelativePath, Search, SearchStep};
 use crate::constants::FACE_MARGIN;
 use crate::contact::embedded_obstacle::EmbeddedContacts;
-use crate::contact::face_obstacle::{FaceContacts, SearchedObstacle};
+use crate::contact::face_obstacle::FaceContacts;
+use crate::contact::face_search::SearchedObstacle;
 use crate::contact::joint::{self, MovingJoint};
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
 use crate::contact::tether_pull::PressedPoint;
@@ -149,11 +150,26 @@ impl<'a> BodySearch<'a> {
     fn faces(&self, near: &NearObstacle, faces: &mut FaceContacts) {
         let Body { particles, topology, settings, .. } = self.body;
         let obstacle = near.obstacle;
-        let reach = settings.thickness + self.fastest + obstacle.travel() + FACE_MARGIN;
+        let reach = settings.thickness + self.approach(obstacle) + FACE_MARGIN;
         // Particles are swept by themselves; faces are swept where an obstacle is small enough to slip between
         // particles.
         let is_fast = near.is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge;
         faces.search(particles, topology, settings, near.searched(reach, is_fast));
+    }
+
+    /// Upper bound in metres on the way that a particle and a point of the obstacle make against each other in the step: what travels
+    /// with an obstacle does not come near it.
+    fn approach(&self, obstacle: &Obstacle) -> f32 {
+        if !obstacle.is_moving() {
+            return self.fastest;
+        }
+        let Body { particles, .. } = self.body;
+        let carried = obstacle.placement().translation - obstacle.previous_placement().translation;
+        let FreePath { substeps, fall } = self.flight;
+        let way = |slot| particles.displacement.get(slot) * substeps + fall - carried;
+        let farthest = particles.layout.slots().map(|slot| way(slot).length_squared()).fold(0.0, f32::max);
+        let turn = obstacle.travel() - carried.length();
+        (farthest.sqrt() + turn).min(self.fastest + obstacle.travel())
     }
 
     /// Lists the points of a collision mesh that may touch the obstacle.

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 
 use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
-use crate::contact::face_obstacle::SearchedObstacle;
+use crate::contact::face_search::SearchedObstacle;
 use crate::contact::mover::Mover;
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest_triangle::weighted;

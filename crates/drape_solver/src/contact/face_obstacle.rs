@@ -13,58 +13,68 @@
 //!
 //! Sides of faces are contacts too where the obstacle has straight lines (`face_sides.rs`).
 //!
-//! At the start of a step parry finds the point of the face that is nearest to the shape. If the two overlap, a descent
-//! along the surface normal finds the deepest point (after Macklin et al. 2020, "Local optimization for robust signed
-//! distance field collision"). Substeps follow it by alternating projections onto face and shape. A face whose corners
-//! all lie next to about the same plane needs none of this and is left to its particles.
+//! A search at the start of a step finds the deepest point (`face_search.rs`). Substeps follow it by alternating projections onto
+//! face and shape. Few of the faces that may touch an obstacle do: those next to shapes with a formula are looked at
+//! sixteen at a time (`face_lanes.rs`), and only the ones that touch take more than that.
 //!
 //! Design: `docs/design/obstacles.md`.
 
+use core::ops::Range;
+
 use glam::{DVec3, Vec3};
 
-use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
+use crate::constants::{FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, VERTEX_WEIGHT};
 use crate::contact::ball_cloth::FaceOrLink;
 use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
-use crate::contact::face_sides::{FaceSide, FaceSides};
+use crate::contact::face_lanes::FaceLanes;
+use crate::contact::face_sides::FaceSides;
 use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::nearest_triangle::weighted;
-use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, Surface};
+use crate::simd::columns::LANES;
 use crate::state::body::Body;
-use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
-use crate::state::settings::BodySettings;
 use crate::state::substep::Substep;
-use crate::state::topology::Topology;
 
 /// Faces and segments of one body that may touch obstacles in this step, obstacle by obstacle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaceContacts {
-    contacts: Vec<FaceContact>,
+    pub(super) contacts: Vec<FaceContact>,
+    /// All contacts, in their order.
+    blocks: Vec<FaceBlock>,
     /// Sides of the faces that may touch the obstacle that is searched.
-    sides: FaceSides,
+    pub(super) sides: FaceSides,
     /// For each slot, the nearest surface of the obstacle that is searched, in the obstacle's coordinates.
-    surfaces: Vec<Surface>,
+    pub(super) surfaces: Vec<Surface>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct FaceContact {
+pub(super) struct FaceContact {
     /// A face, a side of one, or a segment.
-    element: FaceOrLink,
+    pub element: FaceOrLink,
     /// Index of the face; none for a segment.
-    face: Option<usize>,
-    /// The deepest point that the last search found.
-    point: CarriedPoint<3>,
+    pub face: Option<usize>,
+    /// The deepest point that the last search found. Where the block has lanes, its weights are those of the last projection.
+    pub point: CarriedPoint<3>,
     /// The surface there, in the obstacle's coordinates, for shapes that are slow to query.
-    plane: Option<Plane>,
+    pub plane: Option<Plane>,
     /// True if one may pass through the other within a substep.
-    is_fast: bool,
+    pub is_fast: bool,
     /// The surface that the element runs into in this substep, if it could otherwise pass through the obstacle.
-    ahead: Option<Plane>,
+    pub ahead: Option<Plane>,
+}
+
+/// Contacts that follow each other, all with one obstacle.
+#[derive(Clone, Debug)]
+struct FaceBlock {
+    /// By index.
+    contacts: Range<usize>,
+    /// None if each has to be looked at by itself.
+    lanes: Option<FaceLanes>,
 }
 
 /// A face, or a side of one, or a segment that an obstacle has pushed.
@@ -80,43 +90,6 @@ pub(crate) struct PushedElement {
     pub normal: Vec3,
     /// Penetration depth in metres, summed over the projections of the substep.
     pub depth: f32,
-}
-
-/// An obstacle that is searched, in its own coordinates at the start of the step.
-#[derive(Clone, Copy)]
-pub(crate) struct SearchedObstacle<'a> {
-    pub shape: &'a Shape,
-    /// By index in the environment.
-    pub obstacle: usize,
-    pub friction: Friction,
-    pub pose: Pose,
-    /// Metres between body and obstacle up to which they may touch within the step.
-    pub reach: f32,
-    /// True if one may pass through the other within a substep.
-    pub is_fast: bool,
-    /// True if contacts move it.
-    pub is_dynamic: bool,
-}
-
-/// The depth in metres to which a shape can reach between the corners of a face with sides of `side` metres, all of
-/// them equally far from it. `None` if the depth depends on the place.
-fn poke(shape: &Shape, side: f32) -> Option<f32> {
-    match shape {
-        Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
-        // The rise of an arc over its chord.
-        Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::TaperedCapsule { .. } => {
-            let radius = shape.least_half_extent();
-            (side < radius).then(|| side * side / (4.0 * radius))
-        }
-        Shape::Cuboid { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => None,
-    }
-}
-
-/// True if a shape may have straight lines in its surface. Any point of a face that lies along one may be the deepest: held
-/// there alone, the face turns about it, another point is found in the next step, and the cloth trembles. So the sides of the face
-/// are held too, where they cross the line.
-fn has_lines(shape: &Shape) -> bool {
-    !matches!(shape, Shape::Sphere { .. })
 }
 
 impl FaceContacts {
@@ -169,129 +142,31 @@ impl FaceContacts {
 
     pub fn clear(&mut self) {
         self.contacts.clear();
+        self.blocks.clear();
     }
 
-    /// Lists the faces and segments that may touch an obstacle between their particles.
-    pub fn search(
-        &mut self,
-        particles: &Particles,
-        topology: &Topology,
-        settings: &BodySettings,
-        searched: SearchedObstacle,
-    ) {
-        let side = topology.longest_edge;
-        let most = POKING * settings.thickness;
-        // A body without thickness is searched at its particles alone.
-        let is_fine = || poke(searched.shape, side).is_some_and(|depth| depth <= most);
-        if most == 0.0 || side == 0.0 || is_fine() {
-            return;
-        }
-        // If an obstacle has appeared around particles, the particles leave it first.
-        let nearest = self.find_surfaces(particles, searched, searched.reach + side);
-        if nearest >= searched.reach + side || nearest < -INTRUSION * side {
-            return;
-        }
-        let slot = |i: u32| particles.layout.slot(i as usize) as u32;
-        let faces = topology.faces.iter().map(|face| face.map(slot));
-        // Cloth throws back what moves, if its faces and their sides push it at once.
-        let has_sides = has_lines(searched.shape) && !searched.is_fast && !searched.is_dynamic;
-        // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
-        let most_sides = if has_sides { 3 * faces.len() } else { 0 };
-        self.contacts.reserve(faces.len() + most_sides + topology.segments.len());
-        let mut sides = core::mem::take(&mut self.sides);
-        sides.begin(most_sides);
-        let first = self.contacts.len();
-        for (place, face) in faces.enumerate() {
-            let is_near = self.add(FaceOrLink::Face(face), Some(place), particles, searched, side, most);
-            if is_near && has_sides {
-                sides.note(face, place);
-            }
-        }
-        let near_faces = self.contacts.len() - first;
-        for &FaceSide { ends, face } in sides.once() {
-            self.add(FaceOrLink::Link(ends), Some(face), particles, searched, side, most);
-        }
-        self.sides = sides;
-        // Sides come first, and leave nothing to a face that they hold at both ends of a line.
-        self.contacts[first..].rotate_left(near_faces);
-        for ends in &topology.segments {
-            self.add(FaceOrLink::Link(ends.map(slot)), None, particles, searched, side, most);
-        }
+    /// Makes room for this many more contacts.
+    pub(super) fn reserve(&mut self, contacts: usize) {
+        self.contacts.reserve(contacts);
+        // One block may be left unfilled of sides, of faces and of segments.
+        self.blocks.reserve(contacts / LANES + 3);
     }
 
-    /// Finds the surface next to every particle within `reach`, and returns the least distance in metres.
-    fn find_surfaces(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
-        let (low, high) = searched.shape.local_bounds();
-        let (low, high) = (low - reach, high + reach);
-        let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
-        self.surfaces.clear();
-        self.surfaces.resize(particles.inverse_mass.len(), away);
-        let mut nearest = f32::INFINITY;
-        for slot in particles.layout.slots() {
-            let local = searched.pose.to_local(particles.position.get(slot));
-            if local.cmpge(low).all() && local.cmple(high).all() {
-                let surface = searched.shape.surface(local);
-                nearest = nearest.min(surface.distance);
-                self.surfaces[slot] = surface;
-            }
+    /// Puts these contacts, which are with one obstacle, and all faces or all links, into blocks.
+    pub(super) fn add_blocks(&mut self, contacts: Range<usize>, in_lanes: bool) {
+        let size = if in_lanes { LANES } else { contacts.len() };
+        for first in contacts.clone().step_by(size.max(1)) {
+            let contacts = first..(first + size).min(contacts.end);
+            let points = self.contacts[contacts.clone()].iter().map(|contact| &contact.point);
+            let is_link = matches!(self.contacts[first].element, FaceOrLink::Link(_));
+            let lanes = in_lanes.then(|| FaceLanes::new(points, is_link));
+            self.blocks.push(FaceBlock { contacts, lanes });
         }
-        nearest
-    }
-
-    /// Adds an element if it may touch the obstacle between its corners. Returns true if so.
-    fn add(
-        &mut self,
-        element: FaceOrLink,
-        face: Option<usize>,
-        particles: &Particles,
-        searched: SearchedObstacle,
-        side: f32,
-        most: f32,
-    ) -> bool {
-        let corners = element.corners();
-        let surfaces = corners.map(|slot| self.surfaces[slot]);
-        let nearest = surfaces.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
-        let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
-        // A particle that is already inside leaves first.
-        if nearest < 0.0
-            || nearest >= searched.reach + side
-            || is_held
-            || !searched.is_fast && !may_poke(surfaces.map(|s| s.normal), side, most)
-        {
-            return false;
-        }
-        let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
-        if searched.shape.is_convex() && least_distance(surfaces, local) >= searched.reach {
-            return false;
-        }
-        let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
-            Nearest::Apart => return false,
-            Nearest::At(_, point) => {
-                let weights = element.nearest(local, point);
-                (weights, searched.shape.surface(weighted(weights, local)))
-            }
-            Nearest::Through => {
-                deepest(searched.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
-            }
-        };
-        if surface.distance >= searched.reach {
-            return false;
-        }
-        let plane = surface.plane_at(weighted(weights, local));
-        self.contacts.push(FaceContact {
-            element,
-            face,
-            point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
-            plane: (!searched.shape.has_formula()).then_some(plane),
-            is_fast: searched.is_fast,
-            ahead: None,
-        });
-        true
     }
 }
 
 impl FaceOrLink {
-    fn piece(self, corners: [Vec3; 3]) -> FaceOrEdge {
+    pub(super) fn piece(self, corners: [Vec3; 3]) -> FaceOrEdge {
         match self {
             Self::Face(_) => FaceOrEdge::Triangle(corners),
             Self::Link(_) => FaceOrEdge::Segment([corners[0], corners[1]]),
@@ -299,32 +174,9 @@ impl FaceOrLink {
     }
 }
 
-/// True if a surface with these normals next to the corners may rise between them by more than `most` metres. Two
-/// planes that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
-fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
-    if a == Vec3::ZERO || b == Vec3::ZERO || c == Vec3::ZERO {
-        // One corner is out of reach.
-        return true;
-    }
-    let cosine = a.dot(b).min(b.dot(c)).min(c.dot(a));
-    // tan^2 (a / 2) = (1 - cos a) / (1 + cos a)
-    0.25 * side * side * (1.0 - cosine) > most * most * (1.0 + cosine)
-}
-
-/// A lower bound in metres on the distance between an element and a convex shape, from the `surfaces` next to its
-/// corners: the shape lies behind the tangent plane of each.
-fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
-    let bounds = [0, 1, 2].map(|k| {
-        let Surface { distance, normal } = surfaces[k];
-        let rises = corners.map(|corner| normal.dot(corner - corners[k]));
-        if distance < f32::INFINITY { distance + rises[0].min(rises[1]).min(rises[2]) } else { 0.0 }
-    });
-    bounds[0].max(bounds[1]).max(bounds[2])
-}
-
 /// Weights of the point of an element that is deepest in a shape, and the surface next to it. `corners` are in the
 /// shape's coordinates; `stride` is the length of the first round's step in metres.
-fn deepest(
+pub(super) fn deepest(
     shape: &Shape,
     element: FaceOrLink,
     corners: [Vec3; 3],
@@ -357,11 +209,24 @@ fn deepest(
 pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: Substep, movers: &[Mover]) {
     let particles = &body.particles;
     let mut poses = PoseCache::default();
-    for contact in &mut contacts.contacts {
-        let obstacle = contact.point.obstacle;
-        let poses = poses.of(obstacle, mover(movers, obstacle), substep, particles.origin);
-        contact.follow(particles, substep.obstacles[obstacle].shape(), poses);
-        contact.point.begin_substep();
+    let FaceContacts { contacts, blocks, .. } = contacts;
+    for FaceBlock { contacts: range, lanes } in blocks {
+        let contacts = &mut contacts[range.clone()];
+        let obstacle = contacts[0].point.obstacle;
+        let shape = substep.obstacles[obstacle].shape();
+        if let Some(lanes) = lanes {
+            let poses = poses.of(obstacle, None, substep, particles.origin);
+            for lane in lanes.take_projected() {
+                contacts[lane].point.begin_substep();
+            }
+            lanes.follow(substep.isa, &particles.position, shape, &poses.now);
+            continue;
+        }
+        for contact in contacts {
+            let poses = poses.of(obstacle, mover(movers, obstacle), substep, particles.origin);
+            contact.follow(particles, shape, poses);
+            contact.point.begin_substep();
+        }
     }
 }
 
@@ -369,9 +234,47 @@ pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: S
 pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
     let rate = PushOutRate::gentle(substep.duration);
     let mut poses = PoseCache::default();
-    for contact in &mut contacts.contacts {
-        let (mover, poses) = poses.with_mover(contact.point.obstacle, movers, substep, body.particles.origin);
-        contact.project(body, substep.obstacles, poses, mover, rate);
+    let FaceContacts { contacts, blocks, .. } = contacts;
+    for FaceBlock { contacts: range, lanes } in blocks {
+        let contacts = &mut contacts[range.clone()];
+        let obstacle = contacts[0].point.obstacle;
+        if let Some(lanes) = lanes {
+            let poses = poses.of(obstacle, None, substep, body.particles.origin);
+            project_lanes(lanes, contacts, body, substep, poses, rate);
+            continue;
+        }
+        for contact in contacts {
+            let (mover, poses) = poses.with_mover(obstacle, movers, substep, body.particles.origin);
+            contact.project(body, substep.obstacles, poses, mover, rate);
+        }
+    }
+}
+
+/// Projects the contacts of a block that are too near, and those that earlier pushes in the block may have brought too near.
+fn project_lanes(
+    lanes: &mut FaceLanes,
+    contacts: &mut [FaceContact],
+    body: &mut Body,
+    substep: Substep,
+    poses: &Poses,
+    rate: PushOutRate,
+) {
+    let shape = substep.obstacles[contacts[0].point.obstacle].shape();
+    let keeps = FACE_THICKNESS * body.settings.thickness;
+    let depths = lanes.depths(substep.isa, &body.particles.position, shape, &poses.now, keeps);
+    let mut moved = 0.0;
+    for (lane, (contact, depth)) in contacts.iter_mut().zip(depths).enumerate() {
+        if depth + moved <= 0.0 {
+            continue;
+        }
+        contact.point.weights = lanes.weights(lane);
+        lanes.note_projected(lane);
+        let corners = contact.element.corners();
+        let before = corners.map(|slot| body.particles.position.get(slot));
+        contact.project(body, substep.obstacles, poses, None, rate);
+        let ways = [0, 1, 2].map(|k| body.particles.position.get(corners[k]).distance(before[k]));
+        // No point moves farther than the corners that carry it.
+        moved += ways[0].max(ways[1]).max(ways[2]);
     }
 }
 
@@ -478,10 +381,89 @@ pub(crate) fn apply_friction(
 ) {
     let Body { particles, settings, .. } = body;
     let mut poses = PoseCache::default();
-    for FaceContact { point, .. } in contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
-    {
-        let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
-        let depth = point.depth.min(settings.thickness);
-        point.apply_friction(particles, depth, poses, mover, substep, reaction);
+    let FaceContacts { contacts, blocks, .. } = contacts;
+    for FaceBlock { contacts: range, lanes } in blocks {
+        if lanes.as_ref().is_some_and(|lanes| !lanes.is_projected()) {
+            continue;
+        }
+        let contacts = &mut contacts[range.clone()];
+        for FaceContact { point, .. } in contacts.iter_mut().filter(|contact| contact.point.depth > 0.0) {
+            let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
+            let depth = point.depth.min(settings.thickness);
+            point.apply_friction(particles, depth, poses, mover, substep, reaction);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::ClothBuilder;
+    use crate::contact::surface::testing::Numbers;
+    use crate::geometry::pose::Placement;
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
+    use crate::state::settings::BodySettings;
+    use crate::step;
+
+    /// A push on one face may press its neighbour in the same block into the obstacle.
+    #[test]
+    fn faces_of_a_block_are_projected_as_if_each_were_looked_at_by_itself() {
+        // A sheet of four columns, folded to a prism of three sides round a pole, which they just touch: a push on one side pulls
+        // its neighbours inwards.
+        const RADIUS: f32 = 0.05;
+        const SUBSTEP: f32 = 1.0 / 480.0;
+        let settings = BodySettings { thickness: 0.002, ..BodySettings::default() };
+        let sheet = ClothBuilder::new(0.52, 0.8, 4, 9).build(settings).expect("valid");
+        let mut island = Island::of_body(sheet);
+        let pole = Shape::Capsule { half_length: 1.0, radius: RADIUS };
+        let pole = Obstacle::new(pole, Placement::default(), 0.3).expect("valid");
+        let environment = Environment { obstacles: [pole].into(), ..Environment::default() };
+        let mut numbers = Numbers(3);
+        let (mut projected, mut pressed_in) = (0, 0);
+        for _ in 0..20 {
+            for i in 0..36 {
+                let (row, column) = ((i / 4) as f32, (i % 4) as f32);
+                let (sin, cos) = libm::sincosf(column * core::f32::consts::TAU / 3.0);
+                let (out, axis) = (Vec3::new(cos, 0.0, sin), Vec3::Y * (0.1 * row - 0.4));
+                let particles = &mut island.bodies[0].particles;
+                // From a centimetre outside it gets about there within a substep.
+                particles.set_position(i, axis + out * (2.0 * RADIUS + 0.012));
+                particles.set_velocity(i, out * ((-0.01 + 0.001 * numbers.next()) / SUBSTEP));
+            }
+            step::begin(&mut island, &environment).expect("finite");
+            step::accumulate_forces(&mut island, &environment);
+            step::detect_collisions(&mut island, &environment);
+            assert!((island.context.substep - SUBSTEP).abs() < 1e-6);
+            step::integrate(&mut island, &environment);
+            let substep = island.context.now(island.isa, &environment);
+            let contacts = &mut island.context.contacts.bodies[0].faces;
+            begin_substep(contacts, &island.bodies[0], substep, &[]);
+            let (mut alone, mut body) = (contacts.clone(), island.bodies[0].clone());
+            let mut first_depths = Vec::new();
+            for FaceBlock { contacts: range, lanes } in &mut alone.blocks {
+                let lanes = lanes.take().expect("a shape with a formula");
+                let depths = lanes.depths(
+                    substep.isa,
+                    &body.particles.position,
+                    substep.obstacles[0].shape(),
+                    &PoseCache::default().of(0, None, substep, body.particles.origin).now,
+                    FACE_THICKNESS * settings.thickness,
+                );
+                first_depths.extend_from_slice(&depths[..range.len()]);
+                for (lane, contact) in range.clone().enumerate() {
+                    alone.contacts[contact].point.weights = lanes.weights(lane);
+                }
+            }
+            project(contacts, &mut island.bodies[0], substep, &mut []);
+            project(&mut alone, &mut body, substep, &mut []);
+            assert_eq!(island.bodies[0].particles.position, body.particles.position);
+            assert_eq!(contacts.pushed().count(), alone.pushed().count());
+            projected += contacts.pushed().count();
+            let pairs = contacts.contacts.iter().zip(first_depths);
+            pressed_in += pairs.filter(|(contact, first)| contact.point.depth > 0.0 && *first <= 0.0).count();
+        }
+        assert!(projected > 100, "{projected}");
+        assert!(pressed_in > 0, "no face was pressed in by another");
     }
 }

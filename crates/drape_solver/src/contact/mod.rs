@@ -17,7 +17,7 @@
 //! ```text
 //! island_contacts, body_contacts                 the kinds of an island, and of a body with obstacles
 //! carried_point                                  a contact of face_obstacle and embedded_obstacle
-//! face_sides                                     sides of the faces of face_obstacle
+//! face_search, face_sides, face_lanes            parts of face_obstacle: its search, the sides of faces, its kernels
 //! ccd                                            what passes something within a substep
 //! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
 //! joint                                          particles that are held at points of such obstacles
@@ -61,7 +61,9 @@ pub(crate) mod dynamic_obstacle;
 pub(crate) mod effective_mass;
 pub(crate) mod embedded_obstacle;
 pub mod event;
+pub(crate) mod face_lanes;
 pub(crate) mod face_obstacle;
+pub(crate) mod face_search;
 pub(crate) mod face_sides;
 pub(crate) mod hit_substeps;
 pub(crate) mod impact_zone;

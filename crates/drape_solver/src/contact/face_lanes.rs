@@ -1,0 +1,300 @@
+//! Sixteen faces or links next to an obstacle whose shape has a formula: following their deepest points, and how deep these are.
+//!
+//! As in `face_obstacle.rs`, without a branch.
+//!
+//! Design: `docs/design/obstacles.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+use crate::constants::LOOKS_AGAIN;
+use crate::contact::carried_point::CarriedPoint;
+use crate::geometry::nearest_lanes::{TriangleLanes, inverse, part};
+use crate::geometry::pose::Pose;
+use crate::geometry::shape::Shape;
+use crate::geometry::surface_lanes::{LanePose, Solid};
+use crate::simd::columns::{Cell, Columns, LANES};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::{Lanes3, load, set_lanes};
+
+/// Faces, or links, one in each lane. Lanes without one repeat another.
+#[derive(Clone, Debug)]
+pub(super) struct FaceLanes {
+    /// Slots of the corners; a link repeats its second one.
+    corners: [[u32; LANES]; 3],
+    /// Of the deepest points.
+    weights: [[f32; LANES]; 3],
+    is_link: bool,
+    /// Bit mask of the lanes that were near enough in this substep to be projected one by one; not all of them touch.
+    projected: u16,
+}
+
+impl FaceLanes {
+    /// The elements that carry these points, at most sixteen.
+    pub fn new<'a>(points: impl Iterator<Item = &'a CarriedPoint<3>>, is_link: bool) -> Self {
+        let mut lanes = Self { corners: [[0; LANES]; 3], weights: [[0.0; LANES]; 3], is_link, projected: 0 };
+        for (lane, point) in points.enumerate() {
+            // The last one fills all lanes that are left.
+            for k in 0..3 {
+                lanes.corners[k][lane..].fill(point.carriers[k] as u32);
+                lanes.weights[k][lane..].fill(point.weights[k]);
+            }
+        }
+        lanes
+    }
+
+    /// Weights of the deepest point in a lane.
+    pub fn weights(&self, lane: usize) -> [f32; 3] {
+        self.weights.map(|weights| weights[lane])
+    }
+
+    /// Notes that the contact in a lane is projected in this substep.
+    pub fn note_projected(&mut self, lane: usize) {
+        self.projected |= 1 << lane;
+    }
+
+    /// True if one has been projected in this substep.
+    pub fn is_projected(&self) -> bool {
+        self.projected != 0
+    }
+
+    /// Forgets the lanes that were projected in the last substep, and returns them.
+    pub fn take_projected(&mut self) -> impl Iterator<Item = usize> + use<> {
+        set_lanes(core::mem::take(&mut self.projected))
+    }
+
+    /// Follows the deepest points.
+    pub fn follow(&mut self, isa: Isa, position: &Columns, shape: &Shape, pose: &Pose) {
+        isa.run(Follow { lanes: self, cells: &position.cells, shape, pose });
+    }
+
+    /// Depths of the deepest points below the distance `keeps` from the surface, in metres.
+    pub fn depths(
+        &self,
+        isa: Isa,
+        position: &Columns,
+        shape: &Shape,
+        pose: &Pose,
+        keeps: f32,
+    ) -> [f32; LANES] {
+        isa.run(Depths { lanes: self, cells: &position.cells, shape, pose, keeps })
+    }
+
+    /// The corners, in the coordinates of an obstacle.
+    #[inline(always)]
+    fn corners<S: Simd>(&self, simd: S, cells: &[Cell], pose: LanePose<S>) -> [Lanes3<S>; 3] {
+        [0, 1, 2].map(
+            #[inline(always)]
+            |k| pose.to_local(gathered(simd, cells, &self.corners[k])),
+        )
+    }
+}
+
+/// The vectors in these slots.
+#[inline(always)]
+fn gathered<S: Simd>(simd: S, cells: &[Cell], slots: &[u32; LANES]) -> Lanes3<S> {
+    let mut found = Cell::default();
+    for (lane, &slot) in slots.iter().enumerate() {
+        let (cell, from) = (&cells[slot as usize / LANES], slot as usize % LANES);
+        found.x[lane] = cell.x[from];
+        found.y[lane] = cell.y[from];
+        found.z[lane] = cell.z[from];
+    }
+    Lanes3::load(simd, &found)
+}
+
+/// The points with these weights.
+#[inline(always)]
+fn weighted<S: Simd>([a, b, c]: [f32x16<S>; 3], corners: [Lanes3<S>; 3]) -> Lanes3<S> {
+    corners[0].times(a).plus(corners[1].times(b)).plus(corners[2].times(c))
+}
+
+struct Depths<'a> {
+    lanes: &'a FaceLanes,
+    cells: &'a [Cell],
+    shape: &'a Shape,
+    pose: &'a Pose,
+    keeps: f32,
+}
+
+impl Kernel for Depths<'_> {
+    type Output = [f32; LANES];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { lanes, cells, shape, pose, keeps } = self;
+        let corners = lanes.corners(simd, cells, LanePose::new(simd, pose));
+        let [a, b, c] = &lanes.weights;
+        let point = weighted([load(simd, a), load(simd, b), load(simd, c)], corners);
+        let (distance, _) = Solid::Formula(shape).surface(simd, point);
+        (f32x16::splat(simd, keeps) - distance).to_array()
+    }
+}
+
+struct Follow<'a> {
+    lanes: &'a mut FaceLanes,
+    cells: &'a [Cell],
+    shape: &'a Shape,
+    pose: &'a Pose,
+}
+
+impl Kernel for Follow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { lanes, cells, shape, pose } = self;
+        let corners = lanes.corners(simd, cells, LanePose::new(simd, pose));
+        let element = Element::new(simd, corners, lanes.is_link);
+        if let Shape::Sphere { .. } = shape {
+            let nearest = element.nearest(simd, Lanes3::splat(simd, Vec3::ZERO));
+            lanes.weights = [nearest[0].to_array(), nearest[1].to_array(), nearest[2].to_array()];
+            return;
+        }
+        let [a, b, c] = &lanes.weights;
+        let mut weights = [load(simd, a), load(simd, b), load(simd, c)];
+        let mut point = weighted(weights, corners);
+        let (mut distance, mut normal) = Solid::Formula(shape).surface(simd, point);
+        for _ in 0..LOOKS_AGAIN {
+            let inwards = point.minus(normal.times(distance.abs()));
+            let trial = element.nearest(simd, inwards);
+            let place = weighted(trial, corners);
+            let (there, its_normal) = Solid::Formula(shape).surface(simd, place);
+            let is_deeper = there.simd_lt(distance);
+            for k in 0..3 {
+                weights[k] = is_deeper.select(trial[k], weights[k]);
+            }
+            point = place.or(is_deeper, point);
+            normal = its_normal.or(is_deeper, normal);
+            distance = is_deeper.select(there, distance);
+        }
+        lanes.weights = [weights[0].to_array(), weights[1].to_array(), weights[2].to_array()];
+    }
+}
+
+/// Triangles or segments.
+enum Element<S: Simd> {
+    Triangle(Lanes3<S>, TriangleLanes<S>),
+    /// The first end, the way to the second, and one over its squared length.
+    Segment(Lanes3<S>, Lanes3<S>, f32x16<S>),
+}
+
+impl<S: Simd> Element<S> {
+    #[inline(always)]
+    fn new(simd: S, [a, b, c]: [Lanes3<S>; 3], is_link: bool) -> Self {
+        let along = b.minus(a);
+        if is_link {
+            Self::Segment(a, along, inverse(simd, along.dot(along)))
+        } else {
+            Self::Triangle(a, TriangleLanes::new(simd, [along, c.minus(a)]))
+        }
+    }
+
+    /// Weights of the points nearest to `points`.
+    #[inline(always)]
+    fn nearest(&self, simd: S, points: Lanes3<S>) -> [f32x16<S>; 3] {
+        let (one, zero) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0));
+        match self {
+            Self::Triangle(a, triangle) => {
+                let [s, t] = triangle.nearest(simd, points.minus(*a));
+                [one - s - t, s, t]
+            }
+            Self::Segment(a, along, inverse) => {
+                let t = part(simd, points.minus(*a).dot(*along) * *inverse);
+                [one - t, t, zero]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use crate::contact::ball_cloth::FaceOrLink;
+    use crate::contact::face_obstacle::deepest;
+    use crate::contact::surface::testing::Numbers;
+    use crate::geometry::nearest_triangle;
+    use crate::geometry::pose::Placement;
+    use crate::simd::miri::unless_miri;
+    use crate::state::friction::Friction;
+
+    use super::*;
+
+    const SHAPES: [Shape; 4] = [
+        Shape::Sphere { radius: 0.3 },
+        Shape::Cuboid { half_extents: Vec3::new(0.2, 0.3, 0.1) },
+        Shape::Capsule { half_length: 0.2, radius: 0.15 },
+        Shape::TaperedCapsule { half_length: 0.2, bottom_radius: 0.1, top_radius: 0.2 },
+    ];
+
+    /// Twelve faces or links of a decimetre near an obstacle at the origin, and their corners.
+    fn elements(numbers: &mut Numbers, is_link: bool) -> (Columns, Vec<FaceOrLink>, FaceLanes) {
+        const COUNT: usize = 12;
+        let mut position = Columns::default();
+        position.reset(3);
+        let mut found = Vec::new();
+        for first in (0..COUNT as u32).map(|k| 3 * k) {
+            let middle = numbers.vector().normalize_or(Vec3::Y) * 0.35;
+            (0..3).for_each(|k| position.set(first as usize + k, middle + numbers.vector() * 0.1));
+            let corners = [first, first + 1, first + 2];
+            let link = FaceOrLink::Link([first, first + 1]);
+            found.push(if is_link { link } else { FaceOrLink::Face(corners) });
+        }
+        let points: Vec<CarriedPoint<3>> = found
+            .iter()
+            .map(|element| CarriedPoint::new(element.corners(), element.middle(), 0, Friction::default()))
+            .collect();
+        let lanes = FaceLanes::new(points.iter(), is_link);
+        (position, found, lanes)
+    }
+
+    #[test]
+    fn lanes_follow_deepest_points_as_one_at_a_time_does() {
+        let mut numbers = Numbers(7);
+        let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        let pose = Pose::at(&Placement { translation: Vec3::new(0.01, -0.02, 0.03), rotation }, Vec3::ZERO);
+        for step in 0..unless_miri(40, 1) {
+            let shape = &SHAPES[step % SHAPES.len()];
+            for is_link in [false, true] {
+                let (position, elements, start) = elements(&mut numbers, is_link);
+                let mut ends = Vec::new();
+                for isa in Isa::available() {
+                    let mut lanes = start.clone();
+                    lanes.follow(isa, &position, shape, &pose);
+                    let depths = lanes.depths(isa, &position, shape, &pose, 0.01);
+                    ends.push(
+                        [lanes.weights[0], lanes.weights[1], lanes.weights[2], depths]
+                            .map(|k| k.map(f32::to_bits)),
+                    );
+                    for (lane, element) in elements.iter().enumerate() {
+                        let corners = element.corners().map(|slot| pose.to_local(position.get(slot)));
+                        let (_, surface) =
+                            deepest(shape, *element, corners, element.middle(), 0.0, LOOKS_AGAIN);
+                        let weights = lanes.weights(lane);
+                        assert!(weights.iter().all(|weight| (-1e-6..=1.0).contains(weight)), "{weights:?}");
+                        assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+                        let own = shape.surface(nearest_triangle::weighted(weights, corners)).distance;
+                        assert!((own - surface.distance).abs() < 2e-5, "{shape:?}: {own} {surface:?}");
+                        // To the last bit: what is left out for its depth has none when it is looked at by itself.
+                        assert_eq!(depths[lane].to_bits(), (0.01 - own).to_bits(), "{shape:?}");
+                    }
+                }
+                assert!(
+                    ends.iter().all(|end| *end == ends[0]),
+                    "{shape:?}: the bits depend on the instruction set"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_that_were_projected_are_forgotten_once() {
+        let (_, _, mut lanes) = elements(&mut Numbers(1), false);
+        assert!(!lanes.is_projected());
+        [3, 11, 3].into_iter().for_each(|lane| lanes.note_projected(lane));
+        assert!(lanes.is_projected());
+        assert_eq!(lanes.take_projected().collect::<Vec<_>>(), [3, 11]);
+        assert!(!lanes.is_projected());
+    }
+}

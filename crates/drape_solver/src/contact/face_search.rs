@@ -1,0 +1,262 @@
+//! The search for the faces and segments that may touch an obstacle between their particles, once a step.
+//!
+//! Parry finds the point of the face that is nearest to the shape. If the two overlap, a descent along the surface normal finds
+//! the deepest point (after Macklin et al. 2020, "Local optimization for robust signed distance field collision"). A face
+//! whose corners all lie next to about the same plane needs none of this and is left to its particles.
+//!
+//! Design: `docs/design/obstacles.md`.
+
+use glam::Vec3;
+
+use crate::constants::{DESCENT_ROUNDS, INTRUSION, POKING};
+use crate::contact::ball_cloth::FaceOrLink;
+use crate::contact::carried_point::CarriedPoint;
+use crate::contact::face_obstacle::{FaceContact, FaceContacts, deepest};
+use crate::contact::face_sides::FaceSide;
+use crate::geometry::nearest::Nearest;
+use crate::geometry::nearest_triangle::weighted;
+use crate::geometry::pose::Pose;
+use crate::geometry::shape::{Shape, Surface};
+use crate::state::friction::Friction;
+use crate::state::particles::Particles;
+use crate::state::settings::BodySettings;
+use crate::state::topology::Topology;
+
+/// An obstacle that is searched, in its own coordinates at the start of the step.
+#[derive(Clone, Copy)]
+pub(crate) struct SearchedObstacle<'a> {
+    pub shape: &'a Shape,
+    /// By index in the environment.
+    pub obstacle: usize,
+    pub friction: Friction,
+    pub pose: Pose,
+    /// Metres between body and obstacle up to which they may touch within the step.
+    pub reach: f32,
+    /// True if one may pass through the other within a substep.
+    pub is_fast: bool,
+    /// True if contacts move it.
+    pub is_dynamic: bool,
+}
+
+/// The depth in metres to which a shape can reach between the corners of a face with sides of `side` metres, all of
+/// them equally far from it. `None` if the depth depends on the place.
+fn poke(shape: &Shape, side: f32) -> Option<f32> {
+    match shape {
+        Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
+        // The rise of an arc over its chord.
+        Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::TaperedCapsule { .. } => {
+            let radius = shape.least_half_extent();
+            (side < radius).then(|| side * side / (4.0 * radius))
+        }
+        Shape::Cuboid { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => None,
+    }
+}
+
+/// True if a shape may have straight lines in its surface. Any point of a face that lies along one may be the deepest: held
+/// there alone, the face turns about it, another point is found in the next step, and the cloth trembles. So the sides of the face
+/// are held too, where they cross the line.
+fn has_lines(shape: &Shape) -> bool {
+    !matches!(shape, Shape::Sphere { .. })
+}
+
+impl FaceContacts {
+    /// Lists the faces and segments that may touch an obstacle between their particles.
+    pub fn search(
+        &mut self,
+        particles: &Particles,
+        topology: &Topology,
+        settings: &BodySettings,
+        searched: SearchedObstacle,
+    ) {
+        let side = topology.longest_edge;
+        let most = POKING * settings.thickness;
+        // A body without thickness is searched at its particles alone.
+        let is_fine = || poke(searched.shape, side).is_some_and(|depth| depth <= most);
+        if most == 0.0 || side == 0.0 || is_fine() {
+            return;
+        }
+        // If an obstacle has appeared around particles, the particles leave it first.
+        let nearest = self.find_surfaces(particles, searched, searched.reach + side);
+        if nearest >= searched.reach + side || nearest < -INTRUSION * side {
+            return;
+        }
+        let slot = |i: u32| particles.layout.slot(i as usize) as u32;
+        let faces = topology.faces.iter().map(|face| face.map(slot));
+        // Cloth throws back what moves, if its faces and their sides push it at once.
+        let has_sides = has_lines(searched.shape) && !searched.is_fast && !searched.is_dynamic;
+        // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
+        let most_sides = if has_sides { 3 * faces.len() } else { 0 };
+        let most_elements = faces.len() + most_sides + topology.segments.len();
+        self.reserve(most_elements);
+        let mut sides = core::mem::take(&mut self.sides);
+        sides.begin(most_sides);
+        let first = self.contacts.len();
+        for (place, face) in faces.enumerate() {
+            let is_near = self.add(FaceOrLink::Face(face), Some(place), particles, searched, side, most);
+            if is_near && has_sides {
+                sides.note(face, place);
+            }
+        }
+        let near_faces = self.contacts.len() - first;
+        for &FaceSide { ends, face } in sides.once() {
+            self.add(FaceOrLink::Link(ends), Some(face), particles, searched, side, most);
+        }
+        self.sides = sides;
+        // Sides come first, and leave nothing to a face that they hold at both ends of a line.
+        self.contacts[first..].rotate_left(near_faces);
+        let first_face = self.contacts.len() - near_faces;
+        for ends in &topology.segments {
+            self.add(FaceOrLink::Link(ends.map(slot)), None, particles, searched, side, most);
+        }
+        let first_segment = first_face + near_faces;
+        // Contacts move a dynamic obstacle one after another: no two find it in the same place.
+        let in_lanes = searched.shape.has_formula() && !searched.is_fast && !searched.is_dynamic;
+        for contacts in [first..first_face, first_face..first_segment, first_segment..self.contacts.len()] {
+            self.add_blocks(contacts, in_lanes);
+        }
+    }
+
+    /// Finds the surface next to every particle within `reach`, and returns the least distance in metres.
+    fn find_surfaces(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
+        let (low, high) = searched.shape.local_bounds();
+        let (low, high) = (low - reach, high + reach);
+        let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
+        self.surfaces.clear();
+        self.surfaces.resize(particles.inverse_mass.len(), away);
+        let mut nearest = f32::INFINITY;
+        for slot in particles.layout.slots() {
+            let local = searched.pose.to_local(particles.position.get(slot));
+            if local.cmpge(low).all() && local.cmple(high).all() {
+                let surface = searched.shape.surface(local);
+                nearest = nearest.min(surface.distance);
+                self.surfaces[slot] = surface;
+            }
+        }
+        nearest
+    }
+
+    /// Adds an element if it may touch the obstacle between its corners. Returns true if so.
+    fn add(
+        &mut self,
+        element: FaceOrLink,
+        face: Option<usize>,
+        particles: &Particles,
+        searched: SearchedObstacle,
+        side: f32,
+        most: f32,
+    ) -> bool {
+        let corners = element.corners();
+        let surfaces = corners.map(|slot| self.surfaces[slot]);
+        let nearest = surfaces.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
+        let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
+        // A particle that is already inside leaves first.
+        if nearest < 0.0
+            || nearest >= searched.reach + side
+            || is_held
+            || !searched.is_fast && !may_poke(surfaces.map(|s| s.normal), side, most)
+        {
+            return false;
+        }
+        let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
+        if searched.shape.is_convex() && least_distance(surfaces, local) >= searched.reach {
+            return false;
+        }
+        let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
+            Nearest::Apart => return false,
+            Nearest::At(_, point) => {
+                let weights = element.nearest(local, point);
+                (weights, searched.shape.surface(weighted(weights, local)))
+            }
+            Nearest::Through => {
+                deepest(searched.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+            }
+        };
+        if surface.distance >= searched.reach {
+            return false;
+        }
+        let plane = surface.plane_at(weighted(weights, local));
+        self.contacts.push(FaceContact {
+            element,
+            face,
+            point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
+            plane: (!searched.shape.has_formula()).then_some(plane),
+            is_fast: searched.is_fast,
+            ahead: None,
+        });
+        true
+    }
+}
+
+/// True if a surface with these normals next to the corners may rise between them by more than `most` metres. Two
+/// planes that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
+fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
+    if a == Vec3::ZERO || b == Vec3::ZERO || c == Vec3::ZERO {
+        // One corner is out of reach.
+        return true;
+    }
+    let cosine = a.dot(b).min(b.dot(c)).min(c.dot(a));
+    // tan^2 (a / 2) = (1 - cos a) / (1 + cos a)
+    0.25 * side * side * (1.0 - cosine) > most * most * (1.0 + cosine)
+}
+
+/// A lower bound in metres on the distance between an element and a convex shape, from the `surfaces` next to its
+/// corners: the shape lies behind the tangent plane of each.
+fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
+    let bounds = [0, 1, 2].map(|k| {
+        let Surface { distance, normal } = surfaces[k];
+        let rises = corners.map(|corner| normal.dot(corner - corners[k]));
+        if distance < f32::INFINITY { distance + rises[0].min(rises[1]).min(rises[2]) } else { 0.0 }
+    });
+    bounds[0].max(bounds[1]).max(bounds[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use crate::build::cloth::ClothBuilder;
+    use crate::geometry::pose::Placement;
+    use crate::geometry::shape::Shape;
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
+    use crate::state::obstacle::Obstacle;
+    use crate::state::settings::BodySettings;
+    use crate::step::{accumulate_forces, begin, detect_collisions};
+
+    use super::*;
+
+    /// The number of face contacts of a thin sheet that stands two centimetres beside a pole, if both travel at this velocity,
+    /// and the sheet besides at this one towards the pole.
+    fn contacts_beside_a_pole(velocity: Vec3, towards: f32) -> usize {
+        let settings = BodySettings { thickness: 0.002, ..BodySettings::default() };
+        let sheet =
+            ClothBuilder::new(0.4, 0.4, 9, 9).placed(Vec3::new(-0.2, 0.2, 0.07), Vec3::X, Vec3::NEG_Y);
+        let mut island = Island::of_body(sheet.build(settings).expect("valid"));
+        let particles = &mut island.bodies[0].particles;
+        for i in 0..particles.len() {
+            particles.set_velocity(i, velocity - Vec3::Z * towards);
+        }
+        let mut environment = Environment { gravity: Vec3::ZERO, ..Environment::default() };
+        let turned = Placement { rotation: Quat::from_rotation_z(0.3), ..Placement::default() };
+        let pole = Shape::Capsule { half_length: 0.5, radius: 0.05 };
+        let mut pole = Obstacle::new(pole, turned, 0.3).expect("valid");
+        pole.move_to(Placement { translation: velocity * environment.dt, ..turned }, environment.dt);
+        environment.obstacles = [pole].into();
+        begin(&mut island, &environment).expect("valid");
+        accumulate_forces(&mut island, &environment);
+        detect_collisions(&mut island, &environment);
+        island.context.contacts.bodies[0].faces.points().len()
+    }
+
+    /// Else all faces of a runner's cape within the way of the run would be contacts of every bone.
+    #[test]
+    fn what_travels_with_an_obstacle_is_searched_as_if_both_were_at_rest() {
+        assert_eq!(contacts_beside_a_pole(Vec3::ZERO, 0.0), 0);
+        let near = contacts_beside_a_pole(Vec3::ZERO, 3.0);
+        assert!(near > 0);
+        for velocity in [Vec3::X * 8.0, Vec3::new(3.0, -4.0, 6.0)] {
+            assert_eq!(contacts_beside_a_pole(velocity, 0.0), 0, "{velocity}");
+            assert_eq!(contacts_beside_a_pole(velocity, 3.0), near, "{velocity}");
+        }
+    }
+}
