@@ -56,6 +56,7 @@ features! {
     lamps: "lamps.rs",
     layers: "layers.rs",
     observers: "observers.rs",
+    outfit: "outfit.rs",
     presets: "presets.rs",
     ragdoll: "ragdoll.rs",
     rollback: "rollback.rs",

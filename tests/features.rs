@@ -37,7 +37,7 @@ macro_rules! runs {
 runs! {
     balloon, bones, bridge, bsn, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, creases, curtain_2d, cut, detail, drag, drape,
     #[cfg(feature = "gltf")] dust_sheets, fabrics, fan, flag,
-    folds, jelly, knot, lamps, layers, observers, presets, ragdoll, rollback, soft_ball, tear, trampoline, winch, wrecking_ball,
+    folds, jelly, knot, lamps, layers, observers, outfit, presets, ragdoll, rollback, soft_ball, tear, trampoline, winch, wrecking_ball,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

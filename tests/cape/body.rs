@@ -49,7 +49,7 @@ fn colliders_of(app: &mut App, body: Entity) -> Vec<(Entity, Entity)> {
 }
 
 /// The closed parts of the figure's skin, each with the joint that it follows, in the joint's coordinates.
-fn parts() -> Vec<(usize, Shape)> {
+pub fn parts() -> Vec<(usize, Shape)> {
     let mesh = figure();
     let read = |attribute| mesh.attribute(attribute).expect("an attribute");
     let (VertexAttributeValues::Float32x3(places), VertexAttributeValues::Uint16x4(joints)) =
@@ -217,7 +217,7 @@ fn measure_depth(
 }
 
 /// The depth in metres of a point in a part of the skin, in its coordinates; 0 outside.
-fn depth_in(part: &Shape, local: Vec3) -> f32 {
+pub fn depth_in(part: &Shape, local: Vec3) -> f32 {
     let (low, high) = part.local_bounds();
     let is_near = local.cmpge(low).all() && local.cmple(high).all();
     if is_near { (-part.distance(local)).max(0.0) } else { 0.0 }

@@ -10,6 +10,7 @@ mod cape_gltf;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod measure;
+mod outfit;
 mod skinned;
 mod walk;
 

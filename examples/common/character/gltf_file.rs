@@ -45,8 +45,8 @@ fn animation(model: &mut GltfWriter, name: &str, from: f32, speed: f32) -> Value
     json!({ "name": name, "samplers": samplers, "channels": channels })
 }
 
-/// Neck and shoulders, which do not reach the cape: joint, radius, length, and middle; the second lies along X.
-const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
+/// Neck and shoulders, which a cape behind the back does not reach: joint, radius, length, and middle; the second lies along X.
+pub(super) const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
     [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
 
 /// The body: one capsule for each bone, a little thinner than the capsule that the cape touches.

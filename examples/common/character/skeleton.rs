@@ -20,7 +20,8 @@ pub const BONES: [(&str, Option<usize>, [f32; 3], [f32; 2], [f32; 3]); 10] = [
 /// Joints by their numbers in [`BONES`].
 pub const HIPS: usize = 0;
 pub(super) const SPINE: usize = 1;
-pub(super) const CHEST: usize = 2;
+/// The chest.
+pub const CHEST: usize = 2;
 /// The head.
 pub const HEAD: usize = 3;
 /// Left and right.

@@ -1,6 +1,7 @@
 //! A character in a world, and its procedural animation of half a minute. It faces -Z.
 
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::ops::Range;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -13,6 +14,9 @@ use crate::character::skeleton::{
 
 /// Length of the animation in seconds.
 pub const WALK: f32 = 30.0;
+
+/// Length in seconds of the sprint that [`Character::sprint`] shows, with the fall at its end.
+pub const SPRINT: f32 = 8.5;
 
 /// A character in a world.
 #[derive(Resource, Clone, Debug)]
@@ -141,6 +145,28 @@ impl Character {
             joints[SHINS[side]].rotation = Quat::from_rotation_x(-knee);
             joints[ARMS[side]].rotation =
                 Quat::from_rotation_z(-0.15 * sign) * Quat::from_rotation_x(-sign * swing * reach * 0.8);
+        }
+        (root, joints)
+    }
+
+    /// The pose at `time` of another way: a sprint with a leap and an about-turn, a stop, and a fall on its face.
+    pub fn sprint(&mut self, time: f32) -> (Transform, Vec<Transform>) {
+        // Of the long way: the first part ends, and the second begins, in the same run.
+        const FIRST: Range<f32> = 9.0..13.8;
+        const SECOND: Range<f32> = 17.3..18.9;
+        const STOP: f32 = FIRST.end - FIRST.start + SECOND.end - SECOND.start;
+        self.advance(FIRST.end.min(FIRST.start + time));
+        if self.time + 1e-2 > FIRST.end {
+            self.time = self.time.max(SECOND.start);
+            self.advance(SECOND.end - STOP + time.min(STOP));
+        }
+        let (mut root, mut joints) = self.pose();
+        // A pole that tips over goes slowly at first. Its thickness and its clothes keep it above the ground.
+        let fallen = ((time - STOP) / 0.9).clamp(0.0, 1.0).powi(3);
+        root.rotation *= Quat::from_rotation_x(-FRAC_PI_2 * fallen);
+        root.translation.y += 0.18 * fallen;
+        for arm in ARMS {
+            joints[arm].rotation *= Quat::from_rotation_x(2.2 * fallen);
         }
         (root, joints)
     }
