@@ -122,12 +122,7 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
             _ => Quat::IDENTITY,
         };
         let placement = Placement { translation: Vec3::Y * middle, rotation };
-        let obstacle = Obstacle::new(shape, placement, 2.0)?;
-        let environment = Environment { obstacles: [obstacle].into(), ..Environment::default() };
-        let mut island = Island::of_body(sheet(n, THICKNESS + 0.001, THICKNESS)?);
-        settle(&mut island, &environment)?;
-        let bare = Environment { obstacles: Obstacles::new(), ..environment.clone() };
-        cases.push(Case { name, without: (island.clone(), bare), with: (island, environment) });
+        cases.push(on_obstacle(name, Obstacle::new(shape, placement, 2.0)?, n, THICKNESS)?);
     }
     cases.push(over_a_rail(n)?);
     let environment = Environment::default();
@@ -153,16 +148,26 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
     Ok(cases)
 }
 
+/// A cloth of this thickness in metres at rest on an obstacle that reaches up to 0.
+fn on_obstacle(
+    name: &'static str,
+    obstacle: Obstacle,
+    n: u32,
+    thickness: f32,
+) -> Result<Case, Box<dyn Error>> {
+    let environment = Environment { obstacles: [obstacle].into(), ..Environment::default() };
+    let mut island = Island::of_body(sheet(n, thickness + 0.001, thickness)?);
+    settle(&mut island, &environment)?;
+    let bare = Environment { obstacles: Obstacles::new(), ..environment.clone() };
+    Ok(Case { name, without: (island.clone(), bare), with: (island, environment) })
+}
+
 /// A cloth so thin that its faces touch the rail over which it hangs.
 fn over_a_rail(n: u32) -> Result<Case, Box<dyn Error>> {
     let rail = Shape::Capsule { half_length: 0.6, radius: 0.1 };
     let rotation = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     let obstacle = Obstacle::new(rail, Placement { translation: Vec3::Y * -0.1, rotation }, 2.0)?;
-    let environment = Environment { obstacles: [obstacle].into(), ..Environment::default() };
-    let mut island = Island::of_body(sheet(n, 0.002, 0.001)?);
-    settle(&mut island, &environment)?;
-    let bare = Environment { obstacles: Obstacles::new(), ..environment.clone() };
-    Ok(Case { name: "faces on a rail", without: (island.clone(), bare), with: (island, environment) })
+    on_obstacle("faces on a rail", obstacle, n, 0.001)
 }
 
 /// A cloth that was dropped on its edge.

@@ -8,7 +8,7 @@ use crate::broad_phase::obstacle_search::{FreePath, Query, RelativePath, Search,
 use crate::constants::FACE_MARGIN;
 use crate::contact::embedded_obstacle::EmbeddedContacts;
 use crate::contact::face_obstacle::FaceContacts;
-use crate::contact::face_search::SearchedObstacle;
+use crate::contact::face_search::{SearchedObstacle, may_touch_faces};
 use crate::contact::joint::{self, MovingJoint};
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
 use crate::contact::tether_pull::PressedPoint;
@@ -150,6 +150,9 @@ impl<'a> BodySearch<'a> {
     fn faces(&self, near: &NearObstacle, faces: &mut FaceContacts) {
         let Body { particles, topology, settings, .. } = self.body;
         let obstacle = near.obstacle;
+        if !may_touch_faces(obstacle.shape(), topology, settings) {
+            return;
+        }
         let reach = settings.thickness + self.approach(obstacle) + FACE_MARGIN;
         // Particles are swept by themselves; faces are swept where an obstacle is small enough to slip between
         // particles.

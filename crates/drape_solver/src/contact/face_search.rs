@@ -59,8 +59,17 @@ fn has_lines(shape: &Shape) -> bool {
     !matches!(shape, Shape::Sphere { .. })
 }
 
+/// True if a shape may touch a body between its particles.
+pub(crate) fn may_touch_faces(shape: &Shape, topology: &Topology, settings: &BodySettings) -> bool {
+    let side = topology.longest_edge;
+    let most = POKING * settings.thickness;
+    let is_fine = || poke(shape, side).is_some_and(|depth| depth <= most);
+    // A body without thickness is searched at its particles alone.
+    !(most == 0.0 || side == 0.0 || is_fine())
+}
+
 impl FaceContacts {
-    /// Lists the faces and segments that may touch an obstacle between their particles.
+    /// Lists the faces and segments that may touch an obstacle between their particles, if [any may](may_touch_faces).
     pub fn search(
         &mut self,
         particles: &Particles,
@@ -70,11 +79,6 @@ impl FaceContacts {
     ) {
         let side = topology.longest_edge;
         let most = POKING * settings.thickness;
-        // A body without thickness is searched at its particles alone.
-        let is_fine = || poke(searched.shape, side).is_some_and(|depth| depth <= most);
-        if most == 0.0 || side == 0.0 || is_fine() {
-            return;
-        }
         // If an obstacle has appeared around particles, the particles leave it first.
         let nearest = self.find_surfaces(particles, searched, searched.reach + side);
         if nearest >= searched.reach + side || nearest < -INTRUSION * side {
