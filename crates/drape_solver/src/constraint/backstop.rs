@@ -78,7 +78,8 @@ impl Backstops {
     /// The spheres of a cell at this fraction of the step.
     #[inline(always)]
     fn sphere<S: Simd>(&self, simd: S, cell: usize, fraction: f32) -> Sphere<S> {
-        let [place, normal] = [&self.place, &self.normal].map(|columns| columns.at(simd, cell, fraction));
+        let place = self.place.at(simd, cell, fraction);
+        let normal = self.normal.at(simd, cell, fraction);
         let next = Lanes3::load(simd, &self.normal.next.cells[cell]);
         let normal = direction(simd, normal, next);
         let [distances, radii] = [&self.distance, &self.radius].map(|column| column.as_chunks::<LANES>().0);

@@ -157,7 +157,7 @@ impl<'a> BodySearch<'a> {
         // Particles are swept by themselves; faces are swept where an obstacle is small enough to slip between
         // particles.
         let is_fast = near.is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge;
-        faces.search(particles, topology, settings, near.searched(reach, is_fast));
+        faces.search(particles, topology, settings, near.searched(reach, is_fast), self.isa);
     }
 
     /// Upper bound in metres on the way that a particle and a point of the obstacle make against each other in the step: what travels

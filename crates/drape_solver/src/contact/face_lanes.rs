@@ -1,4 +1,5 @@
-//! Sixteen faces or links next to an obstacle whose shape has a formula: following their deepest points, and how deep these are.
+//! Sixteen faces or links next to an obstacle whose shape has a formula: their deepest points, found and followed, and how deep
+//! these are.
 //!
 //! As in `face_obstacle.rs`, without a branch.
 //!
@@ -8,14 +9,15 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
 use crate::constants::LOOKS_AGAIN;
-use crate::contact::carried_point::CarriedPoint;
+use crate::geometry::nearest::HALVINGS;
 use crate::geometry::nearest_lanes::{TriangleLanes, inverse, part};
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::Shape;
 use crate::geometry::surface_lanes::{LanePose, Solid};
+use crate::geometry::taper::Taper;
 use crate::simd::columns::{Cell, Columns, LANES};
 use crate::simd::isa::{Isa, Kernel};
-use crate::simd::lanes::{Lanes3, load, set_lanes};
+use crate::simd::lanes::{Lanes3, load, of_three, set_lanes};
 
 /// Faces, or links, one in each lane. Lanes without one repeat another.
 #[derive(Clone, Debug)]
@@ -30,14 +32,14 @@ pub(super) struct FaceLanes {
 }
 
 impl FaceLanes {
-    /// The elements that carry these points, at most sixteen.
-    pub fn new<'a>(points: impl Iterator<Item = &'a CarriedPoint<3>>, is_link: bool) -> Self {
+    /// Elements with these slots of their corners and these weights of a point, at most sixteen.
+    pub fn new(elements: impl Iterator<Item = ([usize; 3], [f32; 3])>, is_link: bool) -> Self {
         let mut lanes = Self { corners: [[0; LANES]; 3], weights: [[0.0; LANES]; 3], is_link, projected: 0 };
-        for (lane, point) in points.enumerate() {
+        for (lane, (corners, weights)) in elements.enumerate() {
             // The last one fills all lanes that are left.
             for k in 0..3 {
-                lanes.corners[k][lane..].fill(point.carriers[k] as u32);
-                lanes.weights[k][lane..].fill(point.weights[k]);
+                lanes.corners[k][lane..].fill(corners[k] as u32);
+                lanes.weights[k][lane..].fill(weights[k]);
             }
         }
         lanes
@@ -63,6 +65,11 @@ impl FaceLanes {
         set_lanes(core::mem::take(&mut self.projected))
     }
 
+    /// Finds the deepest points in a shape that consists of these balls, wherever they were before.
+    pub fn find(&mut self, isa: Isa, position: &Columns, balls: Taper, pose: &Pose) {
+        isa.run(Find { lanes: self, cells: &position.cells, balls, pose });
+    }
+
     /// Follows the deepest points.
     pub fn follow(&mut self, isa: Isa, position: &Columns, shape: &Shape, pose: &Pose) {
         isa.run(Follow { lanes: self, cells: &position.cells, shape, pose });
@@ -83,9 +90,11 @@ impl FaceLanes {
     /// The corners, in the coordinates of an obstacle.
     #[inline(always)]
     fn corners<S: Simd>(&self, simd: S, cells: &[Cell], pose: LanePose<S>) -> [Lanes3<S>; 3] {
-        [0, 1, 2].map(
+        let [a, b, c] = &self.corners;
+        of_three(
+            [a, b, c],
             #[inline(always)]
-            |k| pose.to_local(gathered(simd, cells, &self.corners[k])),
+            |slots| pose.to_local(gathered(simd, cells, slots)),
         )
     }
 }
@@ -128,6 +137,37 @@ impl Kernel for Depths<'_> {
         let point = weighted([load(simd, a), load(simd, b), load(simd, c)], corners);
         let (distance, _) = Solid::Formula(shape).surface(simd, point);
         (f32x16::splat(simd, keeps) - distance).to_array()
+    }
+}
+
+struct Find<'a> {
+    lanes: &'a mut FaceLanes,
+    cells: &'a [Cell],
+    balls: Taper,
+    pose: &'a Pose,
+}
+
+impl Kernel for Find<'_> {
+    type Output = ();
+
+    /// How far an element is off a ball is a convex function of the ball's height: halves the heights between which it has its least.
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { lanes, cells, balls, pose } = self;
+        let corners = lanes.corners(simd, cells, LanePose::new(simd, pose));
+        let element = Element::new(simd, corners, lanes.is_link);
+        let splat = |value: f32| f32x16::splat(simd, value);
+        let (mut low, mut high) = (splat(balls.low), splat(balls.high));
+        let rounds = if balls.low < balls.high { HALVINGS } else { 0 };
+        let (half, growth, zero) = (splat(0.5), splat(balls.growth), splat(0.0));
+        for _ in 0..rounds {
+            let middle = Lanes3 { x: zero, y: (low + high) * half, z: zero };
+            let from_element = middle.minus(weighted(element.nearest(simd, middle), corners));
+            let is_lower = from_element.y.simd_gt(growth * from_element.dot(from_element).sqrt());
+            (low, high) = (is_lower.select(low, middle.y), is_lower.select(middle.y, high));
+        }
+        let [a, b, c] = element.nearest(simd, Lanes3 { x: zero, y: (low + high) * half, z: zero });
+        lanes.weights = [a.to_array(), b.to_array(), c.to_array()];
     }
 }
 
@@ -217,7 +257,6 @@ mod tests {
     use crate::geometry::nearest_triangle;
     use crate::geometry::pose::Placement;
     use crate::simd::miri::unless_miri;
-    use crate::state::friction::Friction;
 
     use super::*;
 
@@ -241,11 +280,8 @@ mod tests {
             let link = FaceOrLink::Link([first, first + 1]);
             found.push(if is_link { link } else { FaceOrLink::Face(corners) });
         }
-        let points: Vec<CarriedPoint<3>> = found
-            .iter()
-            .map(|element| CarriedPoint::new(element.corners(), element.middle(), 0, Friction::default()))
-            .collect();
-        let lanes = FaceLanes::new(points.iter(), is_link);
+        let lanes =
+            FaceLanes::new(found.iter().map(|element| (element.corners(), element.middle())), is_link);
         (position, found, lanes)
     }
 
@@ -286,6 +322,44 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// No point of a fine grid is deeper than the deepest point.
+    #[test]
+    fn deepest_points_in_balls_are_found() {
+        const GRID: usize = 40;
+        let part = |k: usize| k as f32 / GRID as f32;
+        let mut numbers = Numbers(11);
+        let rotation = Quat::from_euler(glam::EulerRot::XYZ, -0.7, 0.2, 1.4);
+        let pose = Pose::at(&Placement { translation: Vec3::new(-0.02, 0.01, 0.0), rotation }, Vec3::ZERO);
+        let round: Vec<&Shape> = SHAPES.iter().filter(|shape| shape.balls().is_some()).collect();
+        let mut inside = 0;
+        for step in 0..unless_miri(60, 3) {
+            let shape = round[step % round.len()];
+            for is_link in [false, true] {
+                let (position, elements, start) = elements(&mut numbers, is_link);
+                let balls = shape.balls().expect("round");
+                let of_each_isa = Isa::available().into_iter().map(|isa| {
+                    let mut lanes = start.clone();
+                    lanes.find(isa, &position, balls, &pose);
+                    lanes.weights
+                });
+                let found: Vec<_> = of_each_isa.collect();
+                assert!(found.iter().all(|weights| *weights == found[0]), "{shape:?}");
+                for (lane, element) in elements.iter().enumerate() {
+                    let corners = element.corners().map(|slot| pose.to_local(position.get(slot)));
+                    let distance = |weights| shape.distance(nearest_triangle::weighted(weights, corners));
+                    let most = if is_link { 0 } else { GRID };
+                    let grid = (0..=GRID).flat_map(|i| (0..=most.min(GRID - i)).map(move |j| (i, j)));
+                    let on_grid = grid.map(|(i, j)| distance([part(i), part(GRID - i - j), part(j)]));
+                    let least = on_grid.fold(f32::INFINITY, f32::min);
+                    let own = distance(found[0].map(|weights| weights[lane]));
+                    assert!(own < least + 1e-6 && own > least - 0.01, "{shape:?}: {own}, not {least}");
+                    inside += usize::from(own < 0.0);
+                }
+            }
+        }
+        assert!(inside > 100, "{inside}");
     }
 
     #[test]

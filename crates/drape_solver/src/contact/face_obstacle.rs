@@ -31,6 +31,7 @@ use crate::contact::face_lanes::FaceLanes;
 use crate::contact::face_sides::FaceSides;
 use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
+use crate::contact::surfaces_nearby::SurfacesNearby;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::shape::{Plane, Shape, Surface};
@@ -46,10 +47,10 @@ pub(crate) struct FaceContacts {
     pub(super) contacts: Vec<FaceContact>,
     /// All contacts, in their order.
     blocks: Vec<FaceBlock>,
-    /// Sides of the faces that may touch the obstacle that is searched.
+    /// Faces, and sides of faces, that may touch the obstacle that is searched.
+    pub(super) candidates: Vec<(FaceOrLink, Option<usize>)>,
     pub(super) sides: FaceSides,
-    /// For each slot, the nearest surface of the obstacle that is searched, in the obstacle's coordinates.
-    pub(super) surfaces: Vec<Surface>,
+    pub(super) surfaces: SurfacesNearby,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -148,6 +149,8 @@ impl FaceContacts {
     /// Makes room for this many more contacts.
     pub(super) fn reserve(&mut self, contacts: usize) {
         self.contacts.reserve(contacts);
+        self.candidates.clear();
+        self.candidates.reserve(contacts);
         // One block may be left unfilled of sides, of faces and of segments.
         self.blocks.reserve(contacts / LANES + 3);
     }
@@ -157,7 +160,8 @@ impl FaceContacts {
         let size = if in_lanes { LANES } else { contacts.len() };
         for first in contacts.clone().step_by(size.max(1)) {
             let contacts = first..(first + size).min(contacts.end);
-            let points = self.contacts[contacts.clone()].iter().map(|contact| &contact.point);
+            let points = self.contacts[contacts.clone()].iter();
+            let points = points.map(|contact| (contact.point.carriers, contact.point.weights));
             let is_link = matches!(self.contacts[first].element, FaceOrLink::Link(_));
             let lanes = in_lanes.then(|| FaceLanes::new(points, is_link));
             self.blocks.push(FaceBlock { contacts, lanes });

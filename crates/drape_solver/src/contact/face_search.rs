@@ -11,12 +11,17 @@ use glam::Vec3;
 use crate::constants::{DESCENT_ROUNDS, INTRUSION, POKING};
 use crate::contact::ball_cloth::FaceOrLink;
 use crate::contact::carried_point::CarriedPoint;
+use crate::contact::face_lanes::FaceLanes;
 use crate::contact::face_obstacle::{FaceContact, FaceContacts, deepest};
 use crate::contact::face_sides::FaceSide;
+use crate::contact::surfaces_nearby::SurfacesNearby;
 use crate::geometry::nearest::Nearest;
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Shape, Surface};
+use crate::geometry::taper::Taper;
+use crate::simd::columns::LANES;
+use crate::simd::isa::Isa;
 use crate::state::friction::Friction;
 use crate::state::particles::Particles;
 use crate::state::settings::BodySettings;
@@ -76,118 +81,153 @@ impl FaceContacts {
         topology: &Topology,
         settings: &BodySettings,
         searched: SearchedObstacle,
+        isa: Isa,
     ) {
         let side = topology.longest_edge;
         let most = POKING * settings.thickness;
         // If an obstacle has appeared around particles, the particles leave it first.
-        let nearest = self.find_surfaces(particles, searched, searched.reach + side);
-        if nearest >= searched.reach + side || nearest < -INTRUSION * side {
+        let SearchedObstacle { shape, ref pose, reach, .. } = searched;
+        let nearest = self.surfaces.find(particles, shape, pose, reach + side, isa);
+        if nearest >= reach + side || nearest < -INTRUSION * side {
             return;
         }
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
-        let faces = topology.faces.iter().map(|face| face.map(slot));
         // Cloth throws back what moves, if its faces and their sides push it at once.
-        let has_sides = has_lines(searched.shape) && !searched.is_fast && !searched.is_dynamic;
+        let has_sides = has_lines(shape) && !searched.is_fast && !searched.is_dynamic;
         // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
-        let most_sides = if has_sides { 3 * faces.len() } else { 0 };
-        let most_elements = faces.len() + most_sides + topology.segments.len();
-        self.reserve(most_elements);
-        let mut sides = core::mem::take(&mut self.sides);
-        sides.begin(most_sides);
+        let most_sides = if has_sides { 3 * topology.faces.len() } else { 0 };
+        self.reserve(topology.faces.len() + most_sides + topology.segments.len());
+        let search = ElementSearch { particles, searched, side, most, isa };
         let first = self.contacts.len();
-        for (place, face) in faces.enumerate() {
-            let is_near = self.add(FaceOrLink::Face(face), Some(place), particles, searched, side, most);
-            if is_near && has_sides {
-                sides.note(face, place);
-            }
-        }
+        let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
+        self.add(faces.zip((0..).map(Some)), search);
         let near_faces = self.contacts.len() - first;
-        for &FaceSide { ends, face } in sides.once() {
-            self.add(FaceOrLink::Link(ends), Some(face), particles, searched, side, most);
+        if has_sides {
+            let mut sides = core::mem::take(&mut self.sides);
+            sides.begin(most_sides);
+            for contact in &self.contacts[first..] {
+                if let (FaceOrLink::Face(corners), Some(face)) = (contact.element, contact.face) {
+                    sides.note(corners, face);
+                }
+            }
+            let once = sides.once().iter();
+            self.add(once.map(|&FaceSide { ends, face }| (FaceOrLink::Link(ends), Some(face))), search);
+            self.sides = sides;
+            // Sides come first, and leave nothing to a face that they hold at both ends of a line.
+            self.contacts[first..].rotate_left(near_faces);
         }
-        self.sides = sides;
-        // Sides come first, and leave nothing to a face that they hold at both ends of a line.
-        self.contacts[first..].rotate_left(near_faces);
         let first_face = self.contacts.len() - near_faces;
-        for ends in &topology.segments {
-            self.add(FaceOrLink::Link(ends.map(slot)), None, particles, searched, side, most);
-        }
+        let segments = topology.segments.iter().map(|ends| (FaceOrLink::Link(ends.map(slot)), None));
+        self.add(segments, search);
         let first_segment = first_face + near_faces;
         // Contacts move a dynamic obstacle one after another: no two find it in the same place.
-        let in_lanes = searched.shape.has_formula() && !searched.is_fast && !searched.is_dynamic;
+        let in_lanes = shape.has_formula() && !searched.is_fast && !searched.is_dynamic;
         for contacts in [first..first_face, first_face..first_segment, first_segment..self.contacts.len()] {
             self.add_blocks(contacts, in_lanes);
         }
     }
 
-    /// Finds the surface next to every particle within `reach`, and returns the least distance in metres.
-    fn find_surfaces(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
-        let (low, high) = searched.shape.local_bounds();
-        let (low, high) = (low - reach, high + reach);
-        let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
-        self.surfaces.clear();
-        self.surfaces.resize(particles.inverse_mass.len(), away);
-        let mut nearest = f32::INFINITY;
-        for slot in particles.layout.slots() {
-            let local = searched.pose.to_local(particles.position.get(slot));
-            if local.cmpge(low).all() && local.cmple(high).all() {
-                let surface = searched.shape.surface(local);
-                nearest = nearest.min(surface.distance);
-                self.surfaces[slot] = surface;
+    /// Adds those of these elements, all faces or all links, that may touch the obstacle between their corners.
+    fn add(&mut self, elements: impl Iterator<Item = (FaceOrLink, Option<usize>)>, search: ElementSearch) {
+        let mut candidates = core::mem::take(&mut self.candidates);
+        candidates.clear();
+        candidates.extend(elements.filter(|(element, _)| search.may_touch(*element, &self.surfaces)));
+        match search.searched.shape.balls() {
+            Some(balls) => {
+                for candidates in candidates.chunks(LANES) {
+                    let lanes = search.deepest_in_balls(candidates, balls);
+                    for (lane, &(element, face)) in candidates.iter().enumerate() {
+                        self.add_point(element, face, lanes.weights(lane), search);
+                    }
+                }
+            }
+            None => {
+                for &(element, face) in &candidates {
+                    if let Some(weights) = search.deepest(element) {
+                        self.add_point(element, face, weights, search);
+                    }
+                }
             }
         }
-        nearest
+        self.candidates = candidates;
     }
 
-    /// Adds an element if it may touch the obstacle between its corners. Returns true if so.
-    fn add(
+    /// Adds an element whose deepest point has these weights, if it is within reach.
+    fn add_point(
         &mut self,
         element: FaceOrLink,
         face: Option<usize>,
-        particles: &Particles,
-        searched: SearchedObstacle,
-        side: f32,
-        most: f32,
-    ) -> bool {
+        weights: [f32; 3],
+        search: ElementSearch,
+    ) {
+        let SearchedObstacle { shape, obstacle, friction, reach, is_fast, .. } = search.searched;
+        let deepest = weighted(weights, search.corners(element));
+        let surface = shape.surface(deepest);
+        if surface.distance < reach {
+            self.contacts.push(FaceContact {
+                element,
+                face,
+                point: CarriedPoint::new(element.corners(), weights, obstacle, friction),
+                plane: (!shape.has_formula()).then(|| surface.plane_at(deepest)),
+                is_fast,
+                ahead: None,
+            });
+        }
+    }
+}
+
+/// The search for elements of one body next to one obstacle.
+#[derive(Clone, Copy)]
+struct ElementSearch<'a> {
+    particles: &'a Particles,
+    searched: SearchedObstacle<'a>,
+    /// The longest side of a face, and the most that a surface may rise between corners, in metres.
+    side: f32,
+    most: f32,
+    isa: Isa,
+}
+
+impl ElementSearch<'_> {
+    /// The corners, in the obstacle's coordinates.
+    fn corners(self, element: FaceOrLink) -> [Vec3; 3] {
+        element.corners().map(|slot| self.searched.pose.to_local(self.particles.position.get(slot)))
+    }
+
+    /// False if the element certainly does not touch the obstacle between its corners, by the surfaces next to all slots.
+    fn may_touch(self, element: FaceOrLink, surfaces: &SurfacesNearby) -> bool {
+        let Self { particles, searched: SearchedObstacle { shape, reach, is_fast, .. }, side, most, .. } =
+            self;
         let corners = element.corners();
-        let surfaces = corners.map(|slot| self.surfaces[slot]);
+        let surfaces = corners.map(|slot| surfaces.at(slot));
         let nearest = surfaces.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
-        let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
         // A particle that is already inside leaves first.
-        if nearest < 0.0
-            || nearest >= searched.reach + side
-            || is_held
-            || !searched.is_fast && !may_poke(surfaces.map(|s| s.normal), side, most)
-        {
-            return false;
-        }
-        let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
-        if searched.shape.is_convex() && least_distance(surfaces, local) >= searched.reach {
-            return false;
-        }
-        let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
-            Nearest::Apart => return false,
-            Nearest::At(_, point) => {
-                let weights = element.nearest(local, point);
-                (weights, searched.shape.surface(weighted(weights, local)))
-            }
+        nearest >= 0.0
+            && nearest < reach + side
+            && !corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0)
+            && (is_fast || may_poke(surfaces.map(|s| s.normal), side, most))
+            && !(shape.is_convex() && least_distance(surfaces, self.corners(element)) >= reach)
+    }
+
+    /// The deepest points of at most sixteen elements, all faces or all links, in balls.
+    fn deepest_in_balls(self, elements: &[(FaceOrLink, Option<usize>)], balls: Taper) -> FaceLanes {
+        let is_link = matches!(elements[0].0, FaceOrLink::Link(_));
+        let points = elements.iter().map(|(element, _)| (element.corners(), element.middle()));
+        let mut lanes = FaceLanes::new(points, is_link);
+        lanes.find(self.isa, &self.particles.position, balls, &self.searched.pose);
+        lanes
+    }
+
+    /// Weights of the deepest point of one element; none if it is out of reach.
+    fn deepest(self, element: FaceOrLink) -> Option<[f32; 3]> {
+        let SearchedObstacle { shape, reach, .. } = self.searched;
+        let corners = self.corners(element);
+        match shape.nearest_on(element.piece(corners), reach) {
+            Nearest::Apart => None,
+            Nearest::At(_, point) => Some(element.nearest(corners, point)),
             Nearest::Through => {
-                deepest(searched.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+                Some(deepest(shape, element, corners, element.middle(), 0.5 * self.side, DESCENT_ROUNDS).0)
             }
-        };
-        if surface.distance >= searched.reach {
-            return false;
         }
-        let plane = surface.plane_at(weighted(weights, local));
-        self.contacts.push(FaceContact {
-            element,
-            face,
-            point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
-            plane: (!searched.shape.has_formula()).then_some(plane),
-            is_fast: searched.is_fast,
-            ahead: None,
-        });
-        true
     }
 }
 

@@ -79,4 +79,5 @@ pub(crate) mod report;
 pub(crate) mod restitution;
 pub(crate) mod support;
 pub(crate) mod surface;
+pub(crate) mod surfaces_nearby;
 pub(crate) mod tether_pull;

@@ -244,6 +244,13 @@ impl<'a> ObstacleProjection<'a> {
         [self.substep, self.substep + 1]
             .map(|k| obstacle.pose_at(k as f32 / self.substeps as f32, self.origin))
     }
+
+    /// The same, in lanes.
+    #[inline(always)]
+    fn lane_poses<S: Simd>(&self, simd: S, group: &ObstacleGroup) -> [LanePose<S>; 2] {
+        let [before, now] = self.poses(group);
+        [LanePose::new(simd, &before), LanePose::new(simd, &now)]
+    }
 }
 
 impl ObstacleRows<'_> {
@@ -311,7 +318,7 @@ impl ObstacleRows<'_> {
             if group.is_dynamic {
                 continue;
             }
-            let [before, now] = context.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let [before, now] = context.lane_poses(simd, group);
             let shape = context.obstacles[group.obstacle].shape();
             for (place, (candidate, pushes)) in candidates.iter_mut().zip(pushes).enumerate() {
                 let solid = match candidate.planes {
@@ -351,7 +358,7 @@ impl ObstacleRows<'_> {
             if group.is_dynamic || group.friction == Friction::default() {
                 continue;
             }
-            let [before, now] = context.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let [before, now] = context.lane_poses(simd, group);
             let touching = candidates.iter().zip(pushes).enumerate();
             for (place, (candidate, pushes)) in touching.filter(|(_, (candidate, _))| candidate.is_touching) {
                 let depth = load(simd, &pushes.depth);

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::lanes::Lanes3;
+use crate::simd::lanes::{Lanes3, of_two};
 
 /// A box in each lane, at rest in memory.
 #[derive(Clone, Copy, Debug)]
@@ -98,9 +98,16 @@ impl<S: Simd> LaneBoxes<S> {
     /// The box of this lane, in all lanes.
     #[inline(always)]
     pub fn splat_lane(self, simd: S, lane: usize) -> Self {
-        let splat = |axis: f32x16<S>| f32x16::splat(simd, axis.to_array()[lane]);
-        let of = |v: Lanes3<S>| Lanes3 { x: splat(v.x), y: splat(v.y), z: splat(v.z) };
-        Self { low: of(self.low), high: of(self.high) }
+        let [low, high] = of_two(
+            [self.low, self.high],
+            #[inline(always)]
+            |corner| {
+                let [x, y, z] = [corner.x, corner.y, corner.z];
+                let corner = Vec3::new(x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]);
+                Lanes3::splat(simd, corner)
+            },
+        );
+        Self { low, high }
     }
 
     /// The box around those of all lanes.

@@ -14,7 +14,7 @@ use crate::geometry::shape::Shape;
 use crate::geometry::taper::Taper;
 
 /// Halvings of the axis of a tapered capsule, to within a millionth.
-const HALVINGS: usize = 20;
+pub(crate) const HALVINGS: u32 = 20;
 
 /// Nearest point of an element to a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]

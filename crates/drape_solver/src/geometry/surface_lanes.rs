@@ -10,7 +10,7 @@ use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape};
 use crate::geometry::taper::Taper;
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::lanes::{Lanes3, load};
+use crate::simd::lanes::{Lanes3, load, of_three};
 
 /// The solid from which distances are measured.
 #[derive(Clone, Copy)]
@@ -140,10 +140,12 @@ impl<S: Simd> LanePose<S> {
     #[inline(always)]
     pub fn new(simd: S, pose: &Pose) -> Self {
         let (axes, translation) = pose.parts();
-        Self {
-            axes: axes.map(|axis| Lanes3::splat(simd, axis)),
-            translation: Lanes3::splat(simd, translation),
-        }
+        let axes = of_three(
+            axes,
+            #[inline(always)]
+            |axis| Lanes3::splat(simd, axis),
+        );
+        Self { axes, translation: Lanes3::splat(simd, translation) }
     }
 
     #[inline(always)]

@@ -70,6 +70,10 @@ impl<S: Simd> Corner<S> {
 impl Kernel for Blow<'_> {
     type Output = ();
 
+    #[expect(
+        clippy::redundant_closure_for_method_calls,
+        reason = "the method itself would not be compiled for the instruction set"
+    )]
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
         let topology = self.topology;
@@ -77,9 +81,19 @@ impl Kernel for Blow<'_> {
             Layout::Grid(grid) if topology.has_squares() => {
                 self.blow_on_squares(simd, grid);
             }
-            _ => self.blow_on_list(simd, topology.faces(), Self::on_face),
+            _ => self.blow_on_list(
+                simd,
+                topology.faces(),
+                #[inline(always)]
+                |own, simd, corners| own.on_face(simd, corners),
+            ),
         }
-        self.blow_on_list(simd, topology.segments(), Self::on_link);
+        self.blow_on_list(
+            simd,
+            topology.segments(),
+            #[inline(always)]
+            |own, simd, corners| own.on_link(simd, corners),
+        );
     }
 }
 

@@ -107,6 +107,19 @@ pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
     }
 }
 
+/// What a function gives for both. Vectors go through this in place of an array's own `map`, which is not compiled for the instruction
+/// set: each operation would be a call, with its vectors in memory.
+#[inline(always)]
+pub(crate) fn of_two<T, U>([a, b]: [T; 2], of: impl Fn(T) -> U) -> [U; 2] {
+    [of(a), of(b)]
+}
+
+/// What a function gives for all three; see [`of_two`].
+#[inline(always)]
+pub(crate) fn of_three<T, U>([a, b, c]: [T; 3], of: impl Fn(T) -> U) -> [U; 3] {
+    [of(a), of(b), of(c)]
+}
+
 /// The numbers of the lanes whose bits are set, the lowest first.
 #[inline(always)]
 pub(crate) fn set_lanes(bits: impl Into<u64>) -> impl Iterator<Item = usize> {

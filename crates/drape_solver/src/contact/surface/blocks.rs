@@ -24,7 +24,7 @@ use crate::geometry::lane_boxes::{CellBoxes, LaneBoxes};
 use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::{Lanes3, load, set_lanes};
+use crate::simd::lanes::{Lanes3, load, of_two, set_lanes};
 use crate::state::layout::{Grid, Layout, ROWS_OF_STRIP};
 use crate::state::topology::Topology;
 
@@ -249,12 +249,11 @@ impl Kernel for StillKeepApart<'_> {
         for (first, rows) in blocks.rows.chunks_mut(side_by_side).enumerate() {
             // A block ends with the first row of the one below.
             let strips = first * side / ROWS_OF_STRIP..=(first + 1) * side / ROWS_OF_STRIP;
-            let off = off[*strips.start()..off.len().min(strips.end() + 1)].iter().fold(
-                LaneBoxes::nothing(simd),
-                #[inline(always)]
-                |all, off| all.and(LaneBoxes::load(simd, off)),
-            );
-            let off = off.and(off.next_lanes().only(simd, has_next(simd)));
+            let mut all = LaneBoxes::nothing(simd);
+            for off in &off[*strips.start()..off.len().min(strips.end() + 1)] {
+                all = all.and(LaneBoxes::load(simd, off));
+            }
+            let off = all.and(all.next_lanes().only(simd, has_next(simd)));
             off.high.minus(off.low).store(&mut rows[0].off);
             let of_row = rows[0].off;
             rows.iter_mut().for_each(|row| row.off = of_row);
@@ -268,11 +267,15 @@ impl Kernel for StillKeepApart<'_> {
         if blocks.lies_flat {
             return placed.lies_flat(simd) || blocks.keep_apart(simd, LEAST_COSINE_LEFT);
         }
-        placed.neighbours_lie_flat(simd)
-            && blocks.close.iter().all(
-                #[inline(always)]
-                |&[a, b]| placed.meet(simd, a as usize, b as usize) != Meeting::Touch,
-            )
+        if !placed.neighbours_lie_flat(simd) {
+            return false;
+        }
+        for &[a, b] in &blocks.close {
+            if placed.meet(simd, a as usize, b as usize) == Meeting::Touch {
+                return false;
+            }
+        }
+        true
     }
 }
 
@@ -315,14 +318,14 @@ impl Placed<'_> {
     fn edges<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
         let row = &self.rows[row];
         let off = Lanes3::load(simd, &row.off);
-        let [across, down] = [(&row.across, self.scales[0]), (&row.down, self.scales[1])].map(
+        of_two(
+            [(&row.across, self.scales[0]), (&row.down, self.scales[1])],
             #[inline(always)]
             |(edges, scale)| {
                 let (edges, off) = (LaneBoxes::load(simd, edges), off.times(f32x16::splat(simd, scale)));
                 LaneBoxes { low: edges.low.minus(off), high: edges.high.plus(off) }
             },
-        );
-        [across, down]
+        )
     }
 
     /// The edges of the blocks and of those to the right of them.
@@ -330,7 +333,8 @@ impl Placed<'_> {
     fn edges_and_next<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
         let own = self.edges(simd, row);
         let next = if (row + 1).is_multiple_of(self.side_by_side) {
-            self.edges(simd, row + 1 - self.side_by_side).map(
+            of_two(
+                self.edges(simd, row + 1 - self.side_by_side),
                 #[inline(always)]
                 |edges| edges.next_lanes().only(simd, has_next(simd)),
             )
@@ -343,13 +347,12 @@ impl Placed<'_> {
     /// True if the whole sheet lies flat.
     #[inline(always)]
     fn lies_flat<S: Simd>(&self, simd: S) -> bool {
-        let nothing = [LaneBoxes::nothing(simd); 2];
-        let all = (0..self.rows.len()).fold(
-            nothing,
-            #[inline(always)]
-            |all, row| both(all, self.edges(simd, row)),
-        );
-        let all = all.map(
+        let mut all = [LaneBoxes::nothing(simd); 2];
+        for row in 0..self.rows.len() {
+            all = both(all, self.edges(simd, row));
+        }
+        let all = of_two(
+            all,
             #[inline(always)]
             |edges| {
                 let [low, high] = edges.all_lanes();
@@ -362,17 +365,18 @@ impl Placed<'_> {
     /// True if all blocks lie flat with those around each of their corners.
     #[inline(always)]
     fn neighbours_lie_flat<S: Simd>(&self, simd: S) -> bool {
-        (0..self.rows.len()).all(
-            #[inline(always)]
-            |row| {
-                let mut edges = self.edges_and_next(simd, row);
-                if row + self.side_by_side < self.rows.len() {
-                    edges = both(edges, self.edges_and_next(simd, row + self.side_by_side));
-                }
-                let [own, _] = self.edges(simd, row);
-                (are_flat(simd, self.least_cosine, edges) | own.low.x.simd_gt(own.high.x)).all_true()
-            },
-        )
+        for row in 0..self.rows.len() {
+            let mut edges = self.edges_and_next(simd, row);
+            if row + self.side_by_side < self.rows.len() {
+                edges = both(edges, self.edges_and_next(simd, row + self.side_by_side));
+            }
+            let [own, _] = self.edges(simd, row);
+            let is_flat = are_flat(simd, self.least_cosine, edges) | own.low.x.simd_gt(own.high.x);
+            if !is_flat.all_true() {
+                return false;
+            }
+        }
+        true
     }
 
     /// True if no two blocks that are not neighbours can touch. Lists the rows with `close` ones that must lie flat for that.
@@ -407,7 +411,8 @@ impl Placed<'_> {
                 continue;
             }
             meeting = Meeting::LieFlat;
-            let own = self.edges(simd, a).map(
+            let own = of_two(
+                self.edges(simd, a),
                 #[inline(always)]
                 |edges| edges.splat_lane(simd, lane),
             );
