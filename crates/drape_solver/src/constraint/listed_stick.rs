@@ -172,11 +172,8 @@ fn project_group<S: Simd>(
     projection: impl Projection,
 ) {
     let [a, b] = group.ends.map(|ends| ends.map(|first| window.place(first)));
-    let pairs = |places: [usize; GROUP]| {
-        [0, 2, 4, 6].map(|i| window.get(simd, places[i]).combine(window.get(simd, places[i + 1])))
-    };
-    let [p, q] = [a, b].map(pairs);
-    let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
+    let [p, q] = [pairs(simd, window, a), pairs(simd, window, b)];
+    let delta = [q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]];
     let [x, y, z, w] = columns_of_eight(delta);
     let rest = f32x8::load_array_ref(simd, &group.rest_lengths) * length_ratio;
     let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
@@ -206,6 +203,23 @@ fn project_group<S: Simd>(
         set_pair(window, a, i, p[i] + delta[i] * errors_p[i]);
         set_pair(window, b, i, q[i] - delta[i] * errors_q[i]);
     }
+}
+
+/// Eight rows, two in each vector.
+#[inline(always)]
+fn pairs<S: Simd>(simd: S, window: &Window, places: [usize; GROUP]) -> [f32x8<S>; 4] {
+    [
+        pair(simd, window, [places[0], places[1]]),
+        pair(simd, window, [places[2], places[3]]),
+        pair(simd, window, [places[4], places[5]]),
+        pair(simd, window, [places[6], places[7]]),
+    ]
+}
+
+/// Two rows.
+#[inline(always)]
+fn pair<S: Simd>(simd: S, window: &Window, [a, b]: [usize; 2]) -> f32x8<S> {
+    window.get(simd, a).combine(window.get(simd, b))
 }
 
 /// Stores rows 2 `i` and 2 `i` + 1 of eight.

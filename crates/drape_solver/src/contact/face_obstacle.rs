@@ -149,8 +149,6 @@ impl FaceContacts {
     /// Makes room for this many more contacts.
     pub(super) fn reserve(&mut self, contacts: usize) {
         self.contacts.reserve(contacts);
-        self.candidates.clear();
-        self.candidates.reserve(contacts);
         // One block may be left unfilled of sides, of faces and of segments.
         self.blocks.reserve(contacts / LANES + 3);
     }

@@ -1,7 +1,8 @@
 //! The search for the faces and segments that may touch an obstacle between their particles, once a step.
 //!
-//! Parry finds the point of the face that is nearest to the shape. If the two overlap, a descent along the surface normal finds
-//! the deepest point (after Macklin et al. 2020, "Local optimization for robust signed distance field collision"). A face
+//! Next to shapes made of balls the deepest point is found by halving their axis, sixteen faces at a time (`face_lanes.rs`). For
+//! others parry finds the point of the face that is nearest to the shape; if the two overlap, a descent along the surface normal finds
+//! the deepest one (after Macklin et al. 2020, "Local optimization for robust signed distance field collision"). A face
 //! whose corners all lie next to about the same plane needs none of this and is left to its particles.
 //!
 //! Design: `docs/design/obstacles.md`.
@@ -96,7 +97,10 @@ impl FaceContacts {
         let has_sides = has_lines(shape) && !searched.is_fast && !searched.is_dynamic;
         // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
         let most_sides = if has_sides { 3 * topology.faces.len() } else { 0 };
-        self.reserve(topology.faces.len() + most_sides + topology.segments.len());
+        let [faces, segments] = [topology.faces.len(), topology.segments.len()];
+        self.reserve(faces + most_sides + segments);
+        self.candidates.clear();
+        self.candidates.reserve(faces.max(most_sides).max(segments));
         let search = ElementSearch { particles, searched, side, most, isa };
         let first = self.contacts.len();
         let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
@@ -132,19 +136,21 @@ impl FaceContacts {
         let mut candidates = core::mem::take(&mut self.candidates);
         candidates.clear();
         candidates.extend(elements.filter(|(element, _)| search.may_touch(*element, &self.surfaces)));
-        match search.searched.shape.balls() {
+        match Taper::of(search.searched.shape) {
             Some(balls) => {
                 for candidates in candidates.chunks(LANES) {
                     let lanes = search.deepest_in_balls(candidates, balls);
                     for (lane, &(element, face)) in candidates.iter().enumerate() {
-                        self.add_point(element, face, lanes.weights(lane), search);
+                        let weights = lanes.weights(lane);
+                        let surface = search.surface(element, weights);
+                        self.add_point(element, face, (weights, surface), search);
                     }
                 }
             }
             None => {
                 for &(element, face) in &candidates {
-                    if let Some(weights) = search.deepest(element) {
-                        self.add_point(element, face, weights, search);
+                    if let Some(deepest) = search.deepest(element) {
+                        self.add_point(element, face, deepest, search);
                     }
                 }
             }
@@ -152,23 +158,22 @@ impl FaceContacts {
         self.candidates = candidates;
     }
 
-    /// Adds an element whose deepest point has these weights, if it is within reach.
+    /// Adds an element with these weights of its deepest point and this surface there, if it is within reach.
     fn add_point(
         &mut self,
         element: FaceOrLink,
         face: Option<usize>,
-        weights: [f32; 3],
+        (weights, surface): ([f32; 3], Surface),
         search: ElementSearch,
     ) {
         let SearchedObstacle { shape, obstacle, friction, reach, is_fast, .. } = search.searched;
-        let deepest = weighted(weights, search.corners(element));
-        let surface = shape.surface(deepest);
         if surface.distance < reach {
             self.contacts.push(FaceContact {
                 element,
                 face,
                 point: CarriedPoint::new(element.corners(), weights, obstacle, friction),
-                plane: (!shape.has_formula()).then(|| surface.plane_at(deepest)),
+                plane: (!shape.has_formula())
+                    .then(|| surface.plane_at(weighted(weights, search.corners(element)))),
                 is_fast,
                 ahead: None,
             });
@@ -181,8 +186,9 @@ impl FaceContacts {
 struct ElementSearch<'a> {
     particles: &'a Particles,
     searched: SearchedObstacle<'a>,
-    /// The longest side of a face, and the most that a surface may rise between corners, in metres.
+    /// The longest side of a face in metres.
     side: f32,
+    /// The most that a surface may rise between corners, in metres.
     most: f32,
     isa: Isa,
 }
@@ -191,6 +197,11 @@ impl ElementSearch<'_> {
     /// The corners, in the obstacle's coordinates.
     fn corners(self, element: FaceOrLink) -> [Vec3; 3] {
         element.corners().map(|slot| self.searched.pose.to_local(self.particles.position.get(slot)))
+    }
+
+    /// The surface next to the point with these weights.
+    fn surface(self, element: FaceOrLink, weights: [f32; 3]) -> Surface {
+        self.searched.shape.surface(weighted(weights, self.corners(element)))
     }
 
     /// False if the element certainly does not touch the obstacle between its corners, by the surfaces next to all slots.
@@ -211,21 +222,24 @@ impl ElementSearch<'_> {
     /// The deepest points of at most sixteen elements, all faces or all links, in balls.
     fn deepest_in_balls(self, elements: &[(FaceOrLink, Option<usize>)], balls: Taper) -> FaceLanes {
         let is_link = matches!(elements[0].0, FaceOrLink::Link(_));
-        let points = elements.iter().map(|(element, _)| (element.corners(), element.middle()));
+        let points = elements.iter().map(|(element, _)| (element.corners(), [0.0; 3]));
         let mut lanes = FaceLanes::new(points, is_link);
         lanes.find(self.isa, &self.particles.position, balls, &self.searched.pose);
         lanes
     }
 
-    /// Weights of the deepest point of one element; none if it is out of reach.
-    fn deepest(self, element: FaceOrLink) -> Option<[f32; 3]> {
+    /// Weights of the deepest point of one element, and the surface there; none if it is out of reach.
+    fn deepest(self, element: FaceOrLink) -> Option<([f32; 3], Surface)> {
         let SearchedObstacle { shape, reach, .. } = self.searched;
         let corners = self.corners(element);
         match shape.nearest_on(element.piece(corners), reach) {
             Nearest::Apart => None,
-            Nearest::At(_, point) => Some(element.nearest(corners, point)),
+            Nearest::At(_, point) => {
+                let weights = element.nearest(corners, point);
+                Some((weights, self.surface(element, weights)))
+            }
             Nearest::Through => {
-                Some(deepest(shape, element, corners, element.middle(), 0.5 * self.side, DESCENT_ROUNDS).0)
+                Some(deepest(shape, element, corners, element.middle(), 0.5 * self.side, DESCENT_ROUNDS))
             }
         }
     }

@@ -236,20 +236,14 @@ impl<'a> ObstacleProjection<'a> {
     }
 
     /// The poses of a group's obstacle at the start and the end of the substep.
-    fn poses(&self, group: &ObstacleGroup) -> [Pose; 2] {
+    #[inline(always)]
+    fn poses<S: Simd>(&self, simd: S, group: &ObstacleGroup) -> [LanePose<S>; 2] {
         if !group.is_moving {
-            return [group.pose; 2];
+            return [LanePose::new(simd, &group.pose); 2];
         }
         let obstacle = &self.obstacles[group.obstacle];
-        [self.substep, self.substep + 1]
-            .map(|k| obstacle.pose_at(k as f32 / self.substeps as f32, self.origin))
-    }
-
-    /// The same, in lanes.
-    #[inline(always)]
-    fn lane_poses<S: Simd>(&self, simd: S, group: &ObstacleGroup) -> [LanePose<S>; 2] {
-        let [before, now] = self.poses(group);
-        [LanePose::new(simd, &before), LanePose::new(simd, &now)]
+        let pose = |substep| obstacle.pose_at(substep as f32 / self.substeps as f32, self.origin);
+        [LanePose::new(simd, &pose(self.substep)), LanePose::new(simd, &pose(self.substep + 1))]
     }
 }
 
@@ -318,7 +312,7 @@ impl ObstacleRows<'_> {
             if group.is_dynamic {
                 continue;
             }
-            let [before, now] = context.lane_poses(simd, group);
+            let [before, now] = context.poses(simd, group);
             let shape = context.obstacles[group.obstacle].shape();
             for (place, (candidate, pushes)) in candidates.iter_mut().zip(pushes).enumerate() {
                 let solid = match candidate.planes {
@@ -358,7 +352,7 @@ impl ObstacleRows<'_> {
             if group.is_dynamic || group.friction == Friction::default() {
                 continue;
             }
-            let [before, now] = context.lane_poses(simd, group);
+            let [before, now] = context.poses(simd, group);
             let touching = candidates.iter().zip(pushes).enumerate();
             for (place, (candidate, pushes)) in touching.filter(|(_, (candidate, _))| candidate.is_touching) {
                 let depth = load(simd, &pushes.depth);

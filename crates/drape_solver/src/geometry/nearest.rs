@@ -13,7 +13,7 @@ use crate::geometry::nearest_triangle::{on_segment, on_triangle};
 use crate::geometry::shape::Shape;
 use crate::geometry::taper::Taper;
 
-/// Halvings of the axis of a tapered capsule, to within a millionth.
+/// Halvings of the axis of a capsule, to within a millionth.
 pub(crate) const HALVINGS: u32 = 20;
 
 /// Nearest point of an element to a shape.

@@ -325,19 +325,6 @@ impl Shape {
         }
     }
 
-    /// The balls of which it consists, if it is a sphere or a capsule of either kind.
-    pub(crate) fn balls(&self) -> Option<Taper> {
-        let [half_length, bottom, top] = match *self {
-            Self::Sphere { radius } => [0.0, radius, radius],
-            Self::Capsule { half_length, radius } => [half_length, radius, radius],
-            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
-                [half_length, bottom_radius, top_radius]
-            }
-            _ => return None,
-        };
-        Some(Taper::new(half_length, bottom, top))
-    }
-
     /// True if a formula gives the surface, cheaply enough for every projection.
     pub(crate) fn has_formula(&self) -> bool {
         !matches!(self, Self::Mesh(_) | Self::Compound(_) | Self::Parry(_))

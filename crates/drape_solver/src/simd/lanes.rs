@@ -108,7 +108,7 @@ pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
 }
 
 /// What a function gives for both. Vectors go through this in place of an array's own `map`, which is not compiled for the instruction
-/// set: each operation would be a call, with its vectors in memory.
+/// set: each operation may be a call there, with its vectors in memory.
 #[inline(always)]
 pub(crate) fn of_two<T, U>([a, b]: [T; 2], of: impl Fn(T) -> U) -> [U; 2] {
     [of(a), of(b)]

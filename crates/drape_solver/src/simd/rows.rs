@@ -86,9 +86,8 @@ impl Rows {
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for (cell, rows) in position[cells].iter_mut().zip(rows) {
             let quarters = rows.as_flattened().as_chunks::<LANES>().0;
-            let [first, second, third, fourth] = [0, 1, 2, 3].map(|i| load(simd, &quarters[i]));
-            let (low_xz, low_yw) = first.deinterleave(second);
-            let (high_xz, high_yw) = third.deinterleave(fourth);
+            let (low_xz, low_yw) = load(simd, &quarters[0]).deinterleave(load(simd, &quarters[1]));
+            let (high_xz, high_yw) = load(simd, &quarters[2]).deinterleave(load(simd, &quarters[3]));
             let (x, z) = low_xz.deinterleave(high_xz);
             let (y, _) = low_yw.deinterleave(high_yw);
             Lanes3 { x, y, z }.store(cell);

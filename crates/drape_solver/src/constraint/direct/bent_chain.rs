@@ -76,7 +76,7 @@ impl Chains<'_> {
         let splat = |value| f32x16::splat(simd, value);
         let (zero, one, two) = (splat(0.0), splat(1.0), splat(2.0));
         let own_compliance = compliances(simd, compliance, edges);
-        let [mut wa, mut wb] = [0, 1].map(|i| self.inverse_mass(simd, i));
+        let [mut wa, mut wb] = [self.inverse_mass(simd, 0), self.inverse_mass(simd, 1)];
         let mut b = self.position(simd, 1);
         let mut above = b.minus(self.position(simd, 0));
         // Of the two bends before: inverse pivots, couplings to this bend and the one before it, right-hand sides.

@@ -289,11 +289,8 @@ fn least_heights<S: Simd>(simd: S, columns: &Columns, has_faces: bool) -> f32x16
 fn put_boxes<S: Simd>(simd: S, columns: &Columns, reach: Reach, boxes: &mut StarBoxes) {
     let zero = f32x16::splat(simd, 0.0);
     let thickness = load(simd, &columns[THICKNESS]);
-    let [s, t, u] = [0, 1, 2].map(
-        #[inline(always)]
-        |k: usize| load(simd, &columns[SHARPNESS + k]),
-    );
-    let sharpness = most(s, most(t, u));
+    let [s, t] = [load(simd, &columns[SHARPNESS]), load(simd, &columns[SHARPNESS + 1])];
+    let sharpness = most(s, most(t, load(simd, &columns[SHARPNESS + 2])));
     let is_centre = load(simd, &columns[HAS_CENTRE]).simd_gt(zero);
     let is_face = load(simd, &columns[FACE_SCALE + 3]).simd_gt(zero);
     let of_faces = reach.of_corner(simd, thickness);
@@ -320,10 +317,8 @@ fn put_box<S: Simd>(
     let zero = f32x16::splat(simd, 0.0);
     let endless = f32x16::splat(simd, f32::INFINITY);
     for axis in 0..3 {
-        let [start, end] = [0, 1].map(
-            #[inline(always)]
-            |time: usize| load(simd, &columns[CENTRE[time] + axis]),
-        );
+        let start = load(simd, &columns[CENTRE[0] + axis]);
+        let end = load(simd, &columns[CENTRE[1] + axis]);
         let (mut low, mut high, mut slow, mut fast) = (zero, zero, zero, zero);
         for k in corners.clone() {
             let at = |time: usize| {
@@ -349,10 +344,9 @@ fn put_box<S: Simd>(
 fn lean<S: Simd>(simd: S, columns: &Columns, stars: &[Star], first: u32, between: f32, leans: &mut [Lean]) {
     let part = f32x16::splat(simd, between);
     for k in 0..FACES {
-        let [u, v, later_u, later_v] = [0, 1, 2, 3].map(
-            #[inline(always)]
-            |i: usize| vector(simd, columns, FACE[i / 2] + 6 * k + 3 * (i % 2)),
-        );
+        let [now, later] = [FACE[0] + 6 * k, FACE[1] + 6 * k];
+        let (u, v) = (vector(simd, columns, now), vector(simd, columns, now + 3));
+        let (later_u, later_v) = (vector(simd, columns, later), vector(simd, columns, later + 3));
         let middle = [u.plus(later_u.minus(u).times(part)), v.plus(later_v.minus(v).times(part))];
         let mut normals = [[[0.0; LANES]; 3]; 3];
         for (normal, [u, v]) in normals.iter_mut().zip([[u, v], middle, [later_u, later_v]]) {
