@@ -333,7 +333,7 @@ mod tests {
 
     /// The same of all instruction sets.
     fn found(start: &FaceLanes, position: &Columns, shape: &Shape, pose: &Pose) -> FaceLanes {
-        let balls = Taper::of(shape).expect("made of balls");
+        let balls = shape.balls().expect("made of balls");
         let mut of_each_isa = Isa::available().into_iter().map(|isa| {
             let mut lanes = start.clone();
             lanes.find(isa, position, balls, pose);

@@ -136,7 +136,7 @@ impl FaceContacts {
         let mut candidates = core::mem::take(&mut self.candidates);
         candidates.clear();
         candidates.extend(elements.filter(|(element, _)| search.may_touch(*element, &self.surfaces)));
-        match Taper::of(search.searched.shape) {
+        match search.searched.shape.balls() {
             Some(balls) => {
                 for candidates in candidates.chunks(LANES) {
                     let lanes = search.deepest_in_balls(candidates, balls);

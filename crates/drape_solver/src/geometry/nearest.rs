@@ -107,6 +107,19 @@ impl Nearest {
 }
 
 impl Shape {
+    /// The balls of which it consists, if it is a sphere or a capsule of either kind.
+    pub(crate) fn balls(&self) -> Option<Taper> {
+        let [half_length, bottom, top] = match *self {
+            Self::Sphere { radius } => [0.0, radius, radius],
+            Self::Capsule { half_length, radius } => [half_length, radius, radius],
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                [half_length, bottom_radius, top_radius]
+            }
+            _ => return None,
+        };
+        Some(Taper::new(half_length, bottom, top))
+    }
+
     /// The point of `piece` that is nearest to the shape, if it is within `reach` metres.
     pub(crate) fn nearest_on(&self, piece: FaceOrEdge, reach: f32) -> Nearest {
         match self {

@@ -15,7 +15,6 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 use parry3d::shape::{Ball, SharedShape};
 
-use crate::geometry::shape::Shape;
 use crate::simd::lanes::Lanes3;
 
 /// The balls of a tapered capsule.
@@ -44,19 +43,6 @@ impl Taper {
         // One ball holds the other.
         let (height, radius) = if narrowing > 0.0 { (-half_length, bottom) } else { (half_length, top) };
         Self { low: height, high: height, radius, growth: 0.0, slope: 0.0 }
-    }
-
-    /// The balls of a sphere or of a capsule of either kind; none for other shapes.
-    pub fn of(shape: &Shape) -> Option<Self> {
-        let [half_length, bottom, top] = match *shape {
-            Shape::Sphere { radius } => [0.0, radius, radius],
-            Shape::Capsule { half_length, radius } => [half_length, radius, radius],
-            Shape::TaperedCapsule { half_length, bottom_radius, top_radius } => {
-                [half_length, bottom_radius, top_radius]
-            }
-            _ => return None,
-        };
-        Some(Self::new(half_length, bottom, top))
     }
 
     pub fn least_radius(&self) -> f32 {
