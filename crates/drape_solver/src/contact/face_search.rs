@@ -19,7 +19,7 @@ use crate::contact::surfaces_nearby::SurfacesNearby;
 use crate::geometry::nearest::Nearest;
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
-use crate::geometry::shape::{Shape, Surface};
+use crate::geometry::shape::{Plane, Shape, Surface};
 use crate::geometry::taper::Taper;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
@@ -139,18 +139,18 @@ impl FaceContacts {
         match search.searched.shape.balls() {
             Some(balls) => {
                 for candidates in candidates.chunks(LANES) {
-                    let lanes = search.deepest_in_balls(candidates, balls);
-                    for (lane, &(element, face)) in candidates.iter().enumerate() {
-                        let weights = lanes.weights(lane);
-                        let surface = search.surface(element, weights);
-                        self.add_point(element, face, (weights, surface), search);
+                    let (lanes, depths) = search.deepest_in_balls(candidates, balls);
+                    for (lane, (&(element, face), depth)) in candidates.iter().zip(depths).enumerate() {
+                        if depth > 0.0 {
+                            self.add_point(element, face, lanes.weights(lane), None, search);
+                        }
                     }
                 }
             }
             None => {
                 for &(element, face) in &candidates {
-                    if let Some(deepest) = search.deepest(element) {
-                        self.add_point(element, face, deepest, search);
+                    if let Some((weights, plane)) = search.deepest(element) {
+                        self.add_point(element, face, weights, plane, search);
                     }
                 }
             }
@@ -158,26 +158,18 @@ impl FaceContacts {
         self.candidates = candidates;
     }
 
-    /// Adds an element with these weights of its deepest point and this surface there, if it is within reach.
+    /// Adds an element with these weights of its deepest point, and the plane there for shapes that are slow to query.
     fn add_point(
         &mut self,
         element: FaceOrLink,
         face: Option<usize>,
-        (weights, surface): ([f32; 3], Surface),
+        weights: [f32; 3],
+        plane: Option<Plane>,
         search: ElementSearch,
     ) {
-        let SearchedObstacle { shape, obstacle, friction, reach, is_fast, .. } = search.searched;
-        if surface.distance < reach {
-            self.contacts.push(FaceContact {
-                element,
-                face,
-                point: CarriedPoint::new(element.corners(), weights, obstacle, friction),
-                plane: (!shape.has_formula())
-                    .then(|| surface.plane_at(weighted(weights, search.corners(element)))),
-                is_fast,
-                ahead: None,
-            });
-        }
+        let SearchedObstacle { obstacle, friction, is_fast, .. } = search.searched;
+        let point = CarriedPoint::new(element.corners(), weights, obstacle, friction);
+        self.contacts.push(FaceContact { element, face, point, plane, is_fast, ahead: None });
     }
 }
 
@@ -199,11 +191,6 @@ impl ElementSearch<'_> {
         element.corners().map(|slot| self.searched.pose.to_local(self.particles.position.get(slot)))
     }
 
-    /// The surface next to the point with these weights.
-    fn surface(self, element: FaceOrLink, weights: [f32; 3]) -> Surface {
-        self.searched.shape.surface(weighted(weights, self.corners(element)))
-    }
-
     /// False if the element certainly does not touch the obstacle between its corners, by the surfaces next to all slots.
     fn may_touch(self, element: FaceOrLink, surfaces: &SurfacesNearby) -> bool {
         let Self { particles, searched: SearchedObstacle { shape, reach, is_fast, .. }, side, most, .. } =
@@ -219,29 +206,37 @@ impl ElementSearch<'_> {
             && !(shape.is_convex() && least_distance(surfaces, self.corners(element)) >= reach)
     }
 
-    /// The deepest points of at most sixteen elements, all faces or all links, in balls.
-    fn deepest_in_balls(self, elements: &[(FaceOrLink, Option<usize>)], balls: Taper) -> FaceLanes {
+    /// The deepest points of at most sixteen elements, all faces or all links, in balls; and how far they are within reach, in metres.
+    fn deepest_in_balls(
+        self,
+        elements: &[(FaceOrLink, Option<usize>)],
+        balls: Taper,
+    ) -> (FaceLanes, [f32; LANES]) {
+        let Self { particles, searched: SearchedObstacle { shape, ref pose, reach, .. }, isa, .. } = self;
         let is_link = matches!(elements[0].0, FaceOrLink::Link(_));
         let points = elements.iter().map(|(element, _)| (element.corners(), [0.0; 3]));
         let mut lanes = FaceLanes::new(points, is_link);
-        lanes.find(self.isa, &self.particles.position, balls, &self.searched.pose);
-        lanes
+        lanes.find(isa, &particles.position, balls, pose);
+        let depths = lanes.depths(isa, &particles.position, shape, pose, reach);
+        (lanes, depths)
     }
 
-    /// Weights of the deepest point of one element, and the surface there; none if it is out of reach.
-    fn deepest(self, element: FaceOrLink) -> Option<([f32; 3], Surface)> {
+    /// Weights of the deepest point of one element, and the plane there if the shape is slow to query; none if it is out of reach.
+    fn deepest(self, element: FaceOrLink) -> Option<([f32; 3], Option<Plane>)> {
         let SearchedObstacle { shape, reach, .. } = self.searched;
         let corners = self.corners(element);
-        match shape.nearest_on(element.piece(corners), reach) {
-            Nearest::Apart => None,
+        let (weights, surface) = match shape.nearest_on(element.piece(corners), reach) {
+            Nearest::Apart => return None,
             Nearest::At(_, point) => {
                 let weights = element.nearest(corners, point);
-                Some((weights, self.surface(element, weights)))
+                (weights, shape.surface(weighted(weights, corners)))
             }
             Nearest::Through => {
-                Some(deepest(shape, element, corners, element.middle(), 0.5 * self.side, DESCENT_ROUNDS))
+                deepest(shape, element, corners, element.middle(), 0.5 * self.side, DESCENT_ROUNDS)
             }
-        }
+        };
+        let plane = || surface.plane_at(weighted(weights, corners));
+        (surface.distance < reach).then(|| (weights, (!shape.has_formula()).then(plane)))
     }
 }
 
