@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, OVER_RELAXATION, ROUNDS_OF_LAYERS};
-use crate::constraint::{angular_momentum, bend, stick, volume};
+use crate::constraint::{angular_momentum, bend, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
@@ -87,7 +87,6 @@ fn run_body_stage(
         BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection, workers),
         BodyStage::Volume => volume::project(body),
         BodyStage::AngularMomentum => angular_momentum::restore(body),
-        BodyStage::Damping => stick::damp(&mut body.particles, &body.topology, &body.context.damping),
         BodyStage::FaceFriction => {
             face_obstacle::apply_friction(&mut contacts.faces, body, substep, movers);
         }
@@ -103,6 +102,7 @@ fn run_body_stage(
         | BodyStage::ObstacleContacts
         | BodyStage::Sticks
         | BodyStage::Update
+        | BodyStage::Damping
         | BodyStage::ObstacleFriction
         | BodyStage::Limits
         | BodyStage::Backstops

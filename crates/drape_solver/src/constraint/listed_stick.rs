@@ -18,72 +18,105 @@ use crate::simd::rows::{Rows, Window, block_count, columns_of_eight, rows_of_eig
 use crate::state::stick_list::{GROUP, ListedBatch, ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
 
-/// A batch with its stiffness and bound in this iteration.
+/// A batch and what is done to its sticks.
 #[derive(Clone, Copy)]
-pub(crate) struct RelaxedBatch<'a> {
+pub(crate) struct BatchPass<'a> {
     pub batch: &'a ListedBatch,
-    /// The part of the error that one iteration removes.
-    pub stiffness: f32,
+    /// The part of the errors, or of the speeds along the sticks, that is removed.
+    pub part: f32,
     pub bound: StickBound,
     /// Factor on the rest lengths.
     pub length_ratio: f32,
 }
 
-/// One sweep of all batches through a body: the columns and lists that it reads and writes.
-pub(crate) struct Descent<'a> {
-    pub rows: &'a mut Rows,
-    pub position: &'a mut [Cell],
-    pub inverse_mass: &'a [[f32; LANES]],
-    pub sticks: &'a ListedSticks,
-}
+/// Work on the listed sticks of a body in one sweep down its blocks.
+pub(crate) trait BlockWork {
+    /// Takes the particles of a block out of their cells.
+    fn take<S: Simd>(&mut self, simd: S, block: usize);
 
-impl Descent<'_> {
-    /// Relaxes these batches in their order.
+    /// Works on the sticks of a batch that begin in a block.
+    fn pass<S: Simd>(&mut self, simd: S, pass: BatchPass, block: usize);
+
+    /// Puts the particles of a block back.
+    fn put_back<S: Simd>(&mut self, simd: S, block: usize);
+
+    /// Makes these passes in their order through a body of so many `cells`.
     #[inline(always)]
-    pub fn relax<'b, S: Simd>(
-        self,
+    fn descend<'b, S: Simd>(
+        &mut self,
         simd: S,
-        batches: impl Iterator<Item = RelaxedBatch<'b>> + Clone,
-        projection: impl Projection,
+        cells: usize,
+        passes: impl Iterator<Item = BatchPass<'b>> + Clone,
     ) {
-        let Self { rows, position, inverse_mass, sticks } = self;
-        let blocks = block_count(position.len());
-        let last_lag: usize = batches.clone().map(|relaxed| relaxed.batch.reach).sum();
+        let blocks = block_count(cells);
+        let last_lag: usize = passes.clone().map(|pass| pass.batch.reach).sum();
         for time in 0..blocks + last_lag {
             if time < blocks {
-                take(simd, rows, time, position, inverse_mass);
+                self.take(simd, time);
             }
             let mut lag = 0;
-            for relaxed in batches.clone() {
-                lag += relaxed.batch.reach;
+            for pass in passes.clone() {
+                lag += pass.batch.reach;
                 if let Some(block) = time.checked_sub(lag).filter(|&block| block < blocks) {
-                    match OneSided::of(relaxed.bound, projection) {
-                        None => relax_block(simd, rows, sticks, relaxed, block, projection),
-                        Some(one) => relax_block(simd, rows, sticks, relaxed, block, one),
-                    }
+                    self.pass(simd, pass, block);
                 }
             }
             if let Some(block) = time.checked_sub(last_lag) {
-                put_back(simd, rows, block, position);
+                self.put_back(simd, block);
             }
         }
     }
 }
 
-/// [`Rows::take`] as a function of its own, because the compiler would take minutes for one function of all kernels.
-fn take<S: Simd>(simd: S, rows: &mut Rows, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
-    simd.vectorize(
-        #[inline(always)]
-        || rows.take(simd, block, position, inverse_mass),
-    );
+/// The relaxation of listed sticks: the columns and lists that it reads and writes.
+pub(crate) struct Relaxation<'a, P> {
+    pub rows: &'a mut Rows,
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub sticks: &'a ListedSticks,
+    pub projection: P,
 }
 
-/// [`Rows::put_back`] likewise.
-fn put_back<S: Simd>(simd: S, rows: &Rows, block: usize, position: &mut [Cell]) {
-    simd.vectorize(
-        #[inline(always)]
-        || rows.put_back(simd, block, position),
-    );
+/// Each part is a function of its own, because the compiler would take minutes for one function of all kernels.
+impl<P: Projection> BlockWork for Relaxation<'_, P> {
+    fn take<S: Simd>(&mut self, simd: S, block: usize) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.rows.take(simd, block, self.position, self.inverse_mass),
+        );
+    }
+
+    #[inline(always)]
+    fn pass<S: Simd>(&mut self, simd: S, pass: BatchPass, block: usize) {
+        let Self { rows, sticks, projection, .. } = self;
+        match OneSided::of(pass.bound, *projection) {
+            None => relax_block(simd, rows, sticks, pass, block, *projection),
+            Some(one) => relax_block(simd, rows, sticks, pass, block, one),
+        }
+    }
+
+    fn put_back<S: Simd>(&mut self, simd: S, block: usize) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.rows.put_back(simd, block, self.position),
+        );
+    }
+}
+
+/// The sticks of a batch that begin in one block: those that go eight at a time, and those that go one by one.
+pub(crate) fn sticks_of_block<'a>(
+    sticks: &'a ListedSticks,
+    batch: &ListedBatch,
+    block: usize,
+) -> (&'a [StickGroup], impl Iterator<Item = usize> + use<>) {
+    let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
+    let groups = first.div_ceil(GROUP)..end / GROUP;
+    if batch.is_independent && !groups.is_empty() {
+        let alone = (first..groups.start * GROUP).chain(groups.end * GROUP..end);
+        (&sticks.groups[groups], alone)
+    } else {
+        (&[], (first..end).chain(end..end))
+    }
 }
 
 /// The sticks of a batch that begin in one block.
@@ -91,28 +124,21 @@ fn relax_block<S: Simd>(
     simd: S,
     rows: &mut Rows,
     sticks: &ListedSticks,
-    relaxed: RelaxedBatch,
+    BatchPass { batch, part, length_ratio, .. }: BatchPass,
     block: usize,
     projection: impl Projection,
 ) {
-    let RelaxedBatch { batch, stiffness, length_ratio, .. } = relaxed;
-    let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
-    let groups = first.div_ceil(GROUP)..end / GROUP;
-    let (before, groups, after) = if batch.is_independent && !groups.is_empty() {
-        (first..groups.start * GROUP, &sticks.groups[groups.clone()], groups.end * GROUP..end)
-    } else {
-        (first..end, &[][..], end..end)
-    };
+    let (groups, alone) = sticks_of_block(sticks, batch, block);
     simd.vectorize(
         #[inline(always)]
         || {
             let mut window = rows.window();
             for group in groups {
-                project_group(simd, &mut window, group, [stiffness, length_ratio], projection);
+                project_group(simd, &mut window, group, [part, length_ratio], projection);
             }
-            for place in before.chain(after) {
+            for place in alone {
                 let (ends, rest_length) = (sticks.ends(place), sticks.rest_length(place) * length_ratio);
-                project_row(simd, &mut window, ends, rest_length, stiffness, projection);
+                project_row(simd, &mut window, ends, rest_length, part, projection);
             }
         },
     );
@@ -151,12 +177,32 @@ fn project_row<S: Simd>(
     projection: impl Projection,
 ) {
     let [a, b] = ends.map(|first| window.place(first));
-    let [[px, py, pz, wp], [qx, qy, qz, wq]] = [a, b].map(|place| window.get(simd, place).to_array());
-    let positions = [Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)];
-    let masses = [wp, wq].map(|w| if w < f32::INFINITY { w } else { 0.0 });
+    let (positions, [wp, wq]) = ends_of_rows(simd, window, [a, b]);
+    let masses = [finite(wp), finite(wq)];
     let [p, q] = project(positions, masses, rest_length, stiffness, projection);
     window.set(a, f32x4::load_array(simd, [p.x, p.y, p.z, wp]));
     window.set(b, f32x4::load_array(simd, [q.x, q.y, q.z, wq]));
+}
+
+/// Two rows as vectors, and their fourth numbers.
+#[inline(always)]
+pub(crate) fn ends_of_rows<S: Simd>(simd: S, window: &Window, [a, b]: [usize; 2]) -> ([Vec3; 2], [f32; 2]) {
+    let [px, py, pz, wp] = window.get(simd, a).to_array();
+    let [qx, qy, qz, wq] = window.get(simd, b).to_array();
+    ([Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)], [wp, wq])
+}
+
+/// The inverse mass that is stored in a row: that of a pin is infinity there.
+#[inline(always)]
+pub(crate) fn finite(w: f32) -> f32 {
+    if w < f32::INFINITY { w } else { 0.0 }
+}
+
+/// The inverse masses of eight rows.
+#[inline(always)]
+pub(crate) fn masses_of_eight<S: Simd>(simd: S, rows: [f32x8<S>; 4]) -> f32x8<S> {
+    let [_, _, _, w] = columns_of_eight(rows);
+    w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, f32x8::splat(simd, 0.0))
 }
 
 /// The kernel: eight sticks that share no particle. Differences and moves are computed in rows, errors in lanes.
@@ -189,11 +235,7 @@ fn project_group<S: Simd>(
         }
         return;
     }
-    let mass = |rows| {
-        let [_, _, _, w] = columns_of_eight(rows);
-        w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, zero)
-    };
-    let (wp, wq) = (mass(p), mass(q));
+    let (wp, wq) = (masses_of_eight(simd, p), masses_of_eight(simd, q));
     // Avoids a division by zero if both ends are pinned.
     let weight = (wp + wq).max(f32x8::splat(simd, f32::MIN_POSITIVE));
     let errors_p = rows_of_eight([error * (wp / weight * stiffness); 4]);
@@ -207,7 +249,7 @@ fn project_group<S: Simd>(
 
 /// Eight rows, two in each vector.
 #[inline(always)]
-fn pairs<S: Simd>(simd: S, window: &Window, places: [usize; GROUP]) -> [f32x8<S>; 4] {
+pub(crate) fn pairs<S: Simd>(simd: S, window: &Window, places: [usize; GROUP]) -> [f32x8<S>; 4] {
     [
         pair(simd, window, [places[0], places[1]]),
         pair(simd, window, [places[2], places[3]]),
@@ -224,7 +266,7 @@ fn pair<S: Simd>(simd: S, window: &Window, [a, b]: [usize; 2]) -> f32x8<S> {
 
 /// Stores rows 2 `i` and 2 `i` + 1 of eight.
 #[inline(always)]
-fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows: f32x8<S>) {
+pub(crate) fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows: f32x8<S>) {
     let (first, second) = rows.split();
     window.set(places[2 * i], first);
     window.set(places[2 * i + 1], second);
@@ -234,41 +276,27 @@ fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows
 mod tests {
     use super::*;
     use crate::constraint::projection::{Exact, SquareRootFree};
+    use crate::constraint::testing::{listed_batches, places_of};
     use crate::simd::isa::{Isa, Kernel};
     use crate::simd::rows::BLOCK;
 
     const COUNT: u32 = 3 * BLOCK as u32 + 77;
 
-    struct Relax<'a, 'b, P>(Descent<'a>, &'b [RelaxedBatch<'b>], P);
+    struct Relax<'a, 'b, P>(Relaxation<'a, P>, &'b [BatchPass<'b>]);
 
     impl<P: Projection> Kernel for Relax<'_, '_, P> {
         type Output = ();
 
         #[inline(always)]
-        fn run<S: Simd>(self, simd: S) {
-            self.0.relax(simd, self.1.iter().copied(), self.2);
+        fn run<S: Simd>(mut self, simd: S) {
+            let cells = self.0.position.len();
+            self.0.descend(simd, cells, self.1.iter().copied());
         }
-    }
-
-    /// Batches of `step` as the distance between the ends of a stick, each of which keeps its particles to itself.
-    fn batches(sticks: &mut ListedSticks, steps: &[u32]) -> Vec<ListedBatch> {
-        let cells = (COUNT as usize).div_ceil(LANES);
-        let batch = |&step: &u32| {
-            let first = sticks.begin_batch();
-            let starts = (0..COUNT - step).filter(|i| i / step % 2 == 0 && i % 9 != 4);
-            for i in starts {
-                sticks.push([i, i + step], 0.3 + (i % 5) as f32 * 0.1);
-            }
-            let mut batch = ListedBatch::new(first, true);
-            batch.arrange(sticks, sticks.next - first, cells, |slot| slot);
-            batch
-        };
-        steps.iter().map(batch).collect()
     }
 
     fn check(projection: impl Projection) {
         let mut sticks = ListedSticks::default();
-        let batches = batches(&mut sticks, &[1, 3, 40, 600, 700, 2]);
+        let batches = listed_batches(&mut sticks, COUNT, &[1, 3, 40, 600, 700, 2]);
         let cells = (COUNT as usize).div_ceil(LANES);
         let mut start = vec![Cell::default(); cells];
         for slot in 0..COUNT as usize {
@@ -280,19 +308,17 @@ mod tests {
             let masses: Vec<[f32; LANES]> =
                 (0..cells).map(|cell| core::array::from_fn(|lane| mass(cell * LANES + lane))).collect();
             for backwards in [false, true] {
-                let relaxed =
-                    |(batch, (stiffness, bound))| RelaxedBatch { batch, stiffness, bound, length_ratio: 1.0 };
+                let pass = |(batch, (part, bound))| BatchPass { batch, part, bound, length_ratio: 1.0 };
                 let bounds = [StickBound::Exact, StickBound::AtLeast, StickBound::AtMost].into_iter().cycle();
                 let stiffness = [0.9, 0.5, 1.0, 0.3, 0.8, 1.0];
-                let mut order: Vec<RelaxedBatch> =
-                    batches.iter().zip(stiffness.into_iter().zip(bounds)).map(relaxed).collect();
+                let mut order: Vec<BatchPass> =
+                    batches.iter().zip(stiffness.into_iter().zip(bounds)).map(pass).collect();
                 if backwards {
                     order.reverse();
                 }
                 let mut expected = start.clone();
-                for &RelaxedBatch { batch, stiffness, bound, .. } in &order {
-                    let last = batch.first_of_block.last().map_or(0, |&last| last as usize);
-                    for i in batch.first..last {
+                for &BatchPass { batch, part, bound, .. } in &order {
+                    for i in places_of(batch) {
                         let ends = sticks.slots(i).map(|slot| (slot as usize / LANES, slot as usize % LANES));
                         let places = ends.map(|(cell, lane)| expected[cell].get(lane));
                         let weights = ends.map(|(cell, lane)| masses[cell][lane]);
@@ -300,7 +326,7 @@ mod tests {
                         if bound.violation(strain.into()) == 0.0 {
                             continue;
                         }
-                        let moved = project(places, weights, sticks.rest_length(i), stiffness, projection);
+                        let moved = project(places, weights, sticks.rest_length(i), part, projection);
                         for ((cell, lane), place) in ends.into_iter().zip(moved) {
                             expected[cell].set(lane, place);
                         }
@@ -311,13 +337,14 @@ mod tests {
                 {
                     let (mut position, mut rows) = (start.clone(), Rows::default());
                     rows.reset(window, cells);
-                    let sweep = Descent {
+                    let relaxation = Relaxation {
                         rows: &mut rows,
                         position: &mut position,
                         inverse_mass: &masses,
                         sticks: &sticks,
+                        projection,
                     };
-                    isa.run(Relax(sweep, &order, projection));
+                    isa.run(Relax(relaxation, &order));
                     assert!(position == expected, "{} backwards: {backwards}", isa.name());
                 }
             }
@@ -351,11 +378,15 @@ mod tests {
             position[slot / LANES].set(slot % LANES, Vec3::X * (slot * 3) as f32);
         }
         let masses = vec![[1.0; LANES]; cells];
-        let sweep =
-            Descent { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
-        let relaxed =
-            RelaxedBatch { batch: &batch, stiffness: 1.0, bound: StickBound::Exact, length_ratio: 1.0 };
-        Isa::detected().run(Relax(sweep, &[relaxed], Exact));
+        let relaxation = Relaxation {
+            rows: &mut rows,
+            position: &mut position,
+            inverse_mass: &masses,
+            sticks: &sticks,
+            projection: Exact,
+        };
+        let pass = BatchPass { batch: &batch, part: 1.0, bound: StickBound::Exact, length_ratio: 1.0 };
+        Isa::detected().run(Relax(relaxation, &[pass]));
         for slot in (0..40 * BLOCK).step_by(2) {
             let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));
             assert!((a.distance(b) - 1.0).abs() < 0.01);

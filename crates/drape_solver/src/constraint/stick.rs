@@ -24,7 +24,7 @@ use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::grid::GridRun;
 use crate::state::particles::Particles;
-use crate::state::topology::{LooseStick, StickBound, StickMaterial, Topology};
+use crate::state::topology::{LooseStick, StickBound, Topology};
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
 /// `substep` seconds and `iterations` iterations per substep.
@@ -45,14 +45,6 @@ pub fn iteration_stiffness(stiffness: f32, substep: f32, iterations: u32) -> f32
     let slack = (1.0 - f64::from(stiffness)) / f64::from(stiffness);
     let per_substep = 1.0 / (1.0 + ratio * ratio * slack);
     -libm::expm1(libm::log1p(-per_substep) / f64::from(iterations)) as f32
-}
-
-/// Distance from its bound within which a stick is damped, in parts of its rest length.
-const AT_BOUND: f64 = 1e-3;
-
-/// The part of the speed along a stick that damping (1/s) removes in a substep of `substep` seconds.
-pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
-    -libm::expm1(-f64::from(material.damping) * f64::from(substep)) as f32
 }
 
 /// The greatest difference between a stick's length and its rest length, in metres.
@@ -220,36 +212,6 @@ fn unshifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
     }
 }
 
-/// Removes the part `damping[batch]` of the relative speed along each stick. Only velocities change; momentum stays.
-pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f32]) {
-    for (batch, &damping) in topology.batches.iter().zip(damping) {
-        if damping == 0.0 {
-            continue;
-        }
-        for i in batch.range() {
-            let [a, b] = topology.stick_slots(i);
-            let (wa, wb) = (particles.inverse_mass[a], particles.inverse_mass[b]);
-            let delta = particles.position.get(b) - particles.position.get(a);
-            let length_squared = delta.length_squared();
-            let is_slack = || {
-                let strain = f64::from(length_squared.sqrt() / topology.rest_length(i) - 1.0);
-                match batch.material.bound {
-                    StickBound::Exact => false,
-                    StickBound::AtLeast => strain > AT_BOUND,
-                    StickBound::AtMost => strain < -AT_BOUND,
-                }
-            };
-            if wa + wb == 0.0 || length_squared == 0.0 || is_slack() {
-                continue;
-            }
-            let parting = particles.displacement.get(b) - particles.displacement.get(a);
-            let scale = damping * parting.dot(delta) / (length_squared * (wa + wb));
-            particles.displacement.add(a, delta * (wa * scale));
-            particles.displacement.add(b, delta * (-wb * scale));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,7 +224,7 @@ mod tests {
     use crate::simd::isa::{Isa, Kernel};
     use crate::state::body::Body;
     use crate::state::settings::{BodySettings, StickProjection};
-    use crate::state::topology::StickKind;
+    use crate::state::topology::{StickKind, StickMaterial};
     use crate::substep::order::BodyStage;
     use crate::substep::testing::run_stages;
 
@@ -398,21 +360,5 @@ mod tests {
         }
         assert_eq!(iteration_stiffness(1.0, 0.001, 7), 1.0);
         assert_eq!(iteration_stiffness(0.0, 0.001, 7), 0.0);
-    }
-
-    /// S13: the speed along a stick decays as exp(-damping t); momentum and sideways speed stay.
-    #[test]
-    fn damping_takes_the_speed_along_the_stick_only() {
-        let positions = [Vec3::ZERO, Vec3::X];
-        let mut particles = Particles::new(Vec3::ZERO, &positions, &[1.0, 1.0]).expect("valid");
-        particles.set_velocity(0, Vec3::new(-1.0, 0.0, 0.0));
-        particles.set_velocity(1, Vec3::new(1.0, 3.0, 0.0));
-        let material = StickMaterial { damping: 2.0, ..StickMaterial::rigid(StickKind::Bend) };
-        let factor = substep_damping(&material, 0.5);
-        damp(&mut particles, &stick_of_rest_length_one(), &[factor]);
-        let parting = particles.velocity(1) - particles.velocity(0);
-        assert!((parting.x - 2.0 * libm::expf(-1.0)).abs() < 1e-5);
-        assert!((parting.y - 3.0).abs() < 1e-6);
-        assert!((particles.velocity(0) + particles.velocity(1) - Vec3::Y * 3.0).length() < 1e-5);
     }
 }

@@ -25,6 +25,7 @@ pub(crate) struct BodyColumns<'a> {
     pub common_mass: &'a [f32],
     pub topology: &'a Topology,
     pub stiffness: &'a [f32],
+    pub damping: &'a [f32],
     pub flight: Flight,
     pub varying: &'a [Cell],
     pub anchors: &'a [Cell],

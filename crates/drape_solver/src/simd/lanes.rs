@@ -92,16 +92,18 @@ impl<S: Simd> Lanes3<S> {
     }
 }
 
-/// The numbers of the lanes that are 0, 1, 4 or 5 higher, or as many lower: `16 - lanes` higher.
+/// The numbers of the lanes that are 0, 1, 3, 4 or 5 higher, or as many lower: `16 - lanes` higher.
 #[inline(always)]
 pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
     match lanes {
         0 => v,
         1 => v.slide::<1>(v),
+        3 => v.slide::<3>(v),
         4 => v.slide::<4>(v),
         5 => v.slide::<5>(v),
         11 => v.slide::<11>(v),
         12 => v.slide::<12>(v),
+        13 => v.slide::<13>(v),
         15 => v.slide::<15>(v),
         _ => unreachable!("no patch lies {lanes} lanes away"),
     }

@@ -78,8 +78,8 @@ pub struct BodyContext {
     pub(crate) frame: Option<SubstepMotion>,
     /// Slots of the particles that their motion limits held inside an obstacle at the end of the last step.
     pub(crate) limit_conflicts: Vec<u32>,
-    /// Rows in which listed sticks are relaxed.
-    pub(crate) rows: Rows,
+    /// Rows in which listed sticks are relaxed and damped: of positions, and of displacements.
+    pub(crate) rows: [Rows; 2],
     /// Gradient of the volume by each particle's position, in square metres.
     pub(crate) gradient: Vec<DVec3>,
     /// The ways of the particles, while nothing of the body is expected to touch.
@@ -128,6 +128,6 @@ impl Body {
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
         let bends = context.bends.bytes() + particles.plastic.bytes();
-        cells + masses + context.rows.bytes() + bends + topology.bytes()
+        cells + masses + context.rows.iter().map(Rows::bytes).sum::<usize>() + bends + topology.bytes()
     }
 }

@@ -2,14 +2,15 @@
 //!
 //! Design: `docs/design/integration.md`.
 
-use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
+use crate::constraint::damping::substep_damping;
+use crate::constraint::stick::{greatest_error, iteration_stiffness};
 use crate::simd::columns::LANES;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
 use crate::state::settings::StructuralSolve;
 use crate::substep::order::Order;
-use crate::substep::plan::{BodyPlan, Extras};
+use crate::substep::plan::{BodyPlan, Extras, Factors};
 
 /// Arranges the particles in the topology's layout, and gathers their statistics if anything has changed.
 pub(crate) fn prepare(body: &mut Body) {
@@ -48,7 +49,10 @@ pub(crate) fn begin_step(
     if context.integrated.cells.len() != particles.layout.cells() {
         context.integrated.reset(particles.layout.cells());
     }
-    context.rows.reset(topology.window(), particles.layout.cells());
+    let [positions, displacements] = &mut context.rows;
+    positions.reset(topology.window(), particles.layout.cells());
+    let is_damped = context.damping.iter().any(|&damping| damping > 0.0);
+    displacements.reset(if is_damped { topology.window() } else { 0 }, particles.layout.cells());
     let mut settings = *settings;
     if !particles.joints.is_empty() && topology.is_rope() && !settings.has_self_contact() {
         // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
@@ -66,7 +70,8 @@ pub(crate) fn begin_step(
         has_backstops: !particles.pose.backstops.is_empty(),
         has_drives: !particles.pose.drives.is_empty(),
     };
-    plan.plan.make(order, topology, &settings, &context.stiffness, projections, extras);
+    let factors = Factors { stiffness: &context.stiffness, damping: &context.damping };
+    plan.plan.make(order, topology, &settings, factors, projections, extras);
     context.pin_shifts.clear();
     for &(i, target) in &particles.pin_targets {
         let way = target - particles.origin - particles.position.get(i as usize);

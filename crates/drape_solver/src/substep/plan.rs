@@ -35,6 +35,15 @@ pub(crate) enum StripStage {
         end: usize,
         backwards: bool,
     },
+    /// Damping of one batch of a grid's sticks.
+    Damping(usize),
+    /// Damping of batches of listed sticks, in a sweep of its own.
+    ListedDamping {
+        first: usize,
+        end: usize,
+    },
+    /// Damping of one batch of loose sticks.
+    LooseDamping(usize),
     Tethers,
     /// The moving frame takes the particles along.
     Carry,
@@ -66,6 +75,15 @@ impl StripStage {
 pub(crate) struct BodyPlan {
     pub plan: Plan,
     pub lines: LineScratch,
+}
+
+/// What each batch of sticks takes in a substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Factors<'a> {
+    /// The part of the errors that an iteration removes.
+    pub stiffness: &'a [f32],
+    /// The part of the speeds along the sticks that damping removes.
+    pub damping: &'a [f32],
 }
 
 /// Stages that few bodies need.
@@ -104,14 +122,13 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Lists the strip stages of a body. `stiffness` has one value for each batch; the island takes `projections`
-    /// iterations.
+    /// Lists the strip stages of a body. The island takes `projections` iterations.
     pub fn make(
         &mut self,
         order: Order,
         topology: &Topology,
         settings: &BodySettings,
-        stiffness: &[f32],
+        Factors { stiffness, damping }: Factors,
         projections: u32,
         extras: Extras,
     ) {
@@ -150,6 +167,7 @@ impl Plan {
                     self.update = self.stages.len();
                     self.stages.push(StripStage::Update);
                 }
+                BodyStage::Damping => self.push_damping(topology, damping),
                 BodyStage::ObstacleFriction => self.stages.push(StripStage::Friction),
                 BodyStage::Limits => self.stages.extend(extras.has_limits.then_some(StripStage::Limits)),
                 BodyStage::Backstops => {
@@ -183,6 +201,22 @@ impl Plan {
         if is_odd && active > 2 {
             self.stages[first..].reverse();
             self.stages[first..].iter_mut().for_each(StripStage::reverse);
+        }
+    }
+
+    /// Adds the batches of sticks that are damped. Listed ones that follow each other share a stage.
+    fn push_damping(&mut self, topology: &Topology, damping: &[f32]) {
+        for batch in (0..damping.len()).filter(|&batch| damping[batch] > 0.0) {
+            match (&topology.batches[batch].sticks, self.stages.last_mut()) {
+                (BatchSticks::Grid { .. }, _) => self.stages.push(StripStage::Damping(batch)),
+                (BatchSticks::Loose(_), _) => self.stages.push(StripStage::LooseDamping(batch)),
+                (BatchSticks::Listed(_), Some(StripStage::ListedDamping { end, .. })) if *end == batch => {
+                    *end = batch + 1;
+                }
+                (BatchSticks::Listed(_), _) => {
+                    self.stages.push(StripStage::ListedDamping { first: batch, end: batch + 1 });
+                }
+            }
         }
     }
 
@@ -242,12 +276,15 @@ impl Plan {
         let mut lag = 0;
         for stage in &self.stages {
             match *stage {
-                StripStage::Sticks(batch) => {
+                StripStage::Sticks(batch) | StripStage::Damping(batch) => {
                     if let BatchSticks::Grid { runs, .. } = &topology.batches[batch].sticks {
                         lag += runs.reach;
                     }
                 }
-                StripStage::Listed { .. } | StripStage::Loose { .. } => self.can_sweep = false,
+                StripStage::Listed { .. }
+                | StripStage::Loose { .. }
+                | StripStage::ListedDamping { .. }
+                | StripStage::LooseDamping(_) => self.can_sweep = false,
                 _ => {}
             }
             self.lags.push(lag);
@@ -258,8 +295,15 @@ impl Plan {
     /// from strip to strip, else one for all stages between listed or loose sticks.
     pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
         let (mut next, end) = (stages.start, stages.end);
-        let goes_alone =
-            |stage: StripStage| matches!(stage, StripStage::Listed { .. } | StripStage::Loose { .. });
+        let goes_alone = |stage: StripStage| {
+            matches!(
+                stage,
+                StripStage::Listed { .. }
+                    | StripStage::Loose { .. }
+                    | StripStage::ListedDamping { .. }
+                    | StripStage::LooseDamping(_)
+            )
+        };
         let is_alone = move |place: usize| self.lag_of_substep() > 0 || goes_alone(self.stages[place]);
         core::iter::from_fn(move || {
             let first = next;

@@ -73,10 +73,12 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let has_listed_bends = !body.topology.bends.listed.is_empty();
-    let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
+    // Sweeps note the ways of pins at the end of a substep, and damping needs them before.
+    let is_damped_at_pins =
+        !body.context.pin_shifts.is_empty() && body.context.damping.iter().any(|&damping| damping > 0.0);
     let is_in_strips =
         contacts.faces.is_empty() && contacts.embedded.is_empty() && contacts.joints.is_empty();
-    is_fixed && is_in_strips && !has_pressure && !has_listed_bends && !is_damped
+    is_fixed && is_in_strips && !has_pressure && !has_listed_bends && !is_damped_at_pins
 }
 
 /// Takes all substeps that are left, of a body without a ball near it: in sweeps if it is large, else stage by stage.
@@ -222,6 +224,7 @@ fn with_work(
             common_mass: &particles.masses.common,
             topology,
             stiffness: &context.stiffness,
+            damping: &context.damping,
             flight: Flight {
                 drag: context.drag,
                 substep: particles.substep,

@@ -7,7 +7,9 @@ use core::ops::Range;
 use fearless_simd::Simd;
 
 use crate::constants::WORK_OF_CONTACTS;
-use crate::constraint::listed_stick::{Descent, RelaxedBatch};
+use crate::constraint::damping::DampedColumns;
+use crate::constraint::listed_damping::Damping;
+use crate::constraint::listed_stick::{BatchPass, BlockWork, Relaxation};
 use crate::constraint::projection::{OneSided, Projection};
 use crate::constraint::stick::{Alike, Joined, project_loose, project_runs};
 use crate::contact::particle_obstacle::{ObstacleProjection, ObstacleRows};
@@ -25,8 +27,8 @@ pub(crate) struct Work<'a> {
     pub cells_of_strip: usize,
     pub moving: MovingColumns<'a>,
     pub contacts: ObstacleRows<'a>,
-    /// The rows in which listed sticks are relaxed. None in a part of a body: a body with listed sticks is never cut.
-    pub rows: Option<&'a mut Rows>,
+    /// The rows in which listed sticks are relaxed and damped. None in a part of a body: a body with listed sticks is never cut.
+    pub rows: Option<&'a mut [Rows; 2]>,
     pub watch: WatchRows<'a>,
     pub rest: BodyColumns<'a>,
 }
@@ -96,8 +98,12 @@ impl Work<'_> {
     ) {
         match stage {
             StripStage::Sticks(batch) => self.grid_sticks(simd, batch, &strips, projection),
+            StripStage::Damping(batch) => self.grid_damping(simd, batch, &strips),
             // Listed sticks have a sweep of their own, so the whole body is done at the first strip.
-            StripStage::Listed { .. } if strips.start > 0 => {}
+            StripStage::Listed { .. } | StripStage::ListedDamping { .. } | StripStage::LooseDamping(_)
+                if strips.start > 0 => {}
+            StripStage::ListedDamping { first, end } => self.listed_damping(simd, first..end),
+            StripStage::LooseDamping(batch) => self.loose_damping(batch),
             StripStage::Listed { first, end, backwards } => {
                 self.listed_sticks(simd, in_order(first, end, backwards), projection);
             }
@@ -205,7 +211,10 @@ impl Work<'_> {
             | StripStage::Friction
             | StripStage::Sticks(_)
             | StripStage::Listed { .. }
-            | StripStage::Loose { .. } => {}
+            | StripStage::Loose { .. }
+            | StripStage::Damping(_)
+            | StripStage::ListedDamping { .. }
+            | StripStage::LooseDamping(_) => {}
         }
     }
 
@@ -238,20 +247,54 @@ impl Work<'_> {
         batches: impl Iterator<Item = usize> + Clone,
         projection: impl Projection,
     ) {
-        let BodyColumns { topology, stiffness, inverse_mass, length_ratio, .. } = self.rest;
-        let batches = batches.filter_map(move |place| {
-            let StickBatch { material, sticks, .. } = &topology.batches[place];
-            let (stiffness, bound) = (stiffness[place], material.bound);
-            match sticks {
-                BatchSticks::Listed(batch) if stiffness > 0.0 => {
-                    Some(RelaxedBatch { batch, stiffness, bound, length_ratio })
-                }
-                _ => None,
-            }
-        });
-        if let Some(rows) = self.rows.as_deref_mut() {
+        let BodyColumns { topology, stiffness, inverse_mass, .. } = self.rest;
+        let passes = passes(self.rest, batches, stiffness);
+        if let Some([rows, _]) = self.rows.as_deref_mut() {
             let (position, sticks) = (&mut *self.moving.position, &topology.listed);
-            Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
+            let cells = position.len();
+            Relaxation { rows, position, inverse_mass, sticks, projection }.descend(simd, cells, passes);
+        }
+    }
+
+    /// Damping of some batches of listed sticks, of the whole body.
+    #[inline(always)]
+    fn listed_damping<S: Simd>(&mut self, simd: S, batches: Range<usize>) {
+        let BodyColumns { topology, damping, inverse_mass, .. } = self.rest;
+        let passes = passes(self.rest, batches, damping);
+        if let Some(rows) = self.rows.as_deref_mut() {
+            let MovingColumns { position, displacement, .. } = &mut self.moving;
+            let cells = position.len();
+            Damping { rows, position, displacement, inverse_mass, sticks: &topology.listed }
+                .descend(simd, cells, passes);
+        }
+    }
+
+    /// Damping of one batch of a grid's sticks.
+    #[inline(always)]
+    fn grid_damping<S: Simd>(&mut self, simd: S, batch: usize, strips: &Range<usize>) {
+        let Self { first_strip, cells_of_strip, ref mut moving, rest, .. } = *self;
+        let mut columns = damped_columns(moving, &rest, first_strip * cells_of_strip);
+        let part = rest.damping[batch];
+        if let BatchSticks::Grid { runs, .. } = &rest.topology.batches[batch].sticks {
+            for (band, runs) in runs.bands() {
+                let first_cells = band.among(strips).map(|strip| (strip - first_strip) * cells_of_strip);
+                for run in runs {
+                    let first_cells = first_cells.clone();
+                    simd.vectorize(
+                        #[inline(always)]
+                        || columns.damp_run(simd, run, first_cells, part),
+                    );
+                }
+            }
+        }
+    }
+
+    /// Damping of one batch of a torn grid's loose sticks.
+    fn loose_damping(&mut self, batch: usize) {
+        let StickBatch { material, sticks, .. } = &self.rest.topology.batches[batch];
+        if let BatchSticks::Loose(loose) = sticks {
+            let mut columns = damped_columns(&mut self.moving, &self.rest, 0);
+            columns.damp_loose(loose, self.rest.damping[batch], material.bound);
         }
     }
 
@@ -271,6 +314,36 @@ impl Work<'_> {
             }
         }
     }
+}
+
+/// The passes through some listed batches that take these parts; those with none are left out.
+fn passes<'a>(
+    rest: BodyColumns<'a>,
+    batches: impl Iterator<Item = usize> + Clone,
+    parts: &'a [f32],
+) -> impl Iterator<Item = BatchPass<'a>> + Clone {
+    batches.filter_map(move |place| {
+        let StickBatch { material, sticks, .. } = &rest.topology.batches[place];
+        match sticks {
+            BatchSticks::Listed(batch) if parts[place] > 0.0 => Some(BatchPass {
+                batch,
+                part: parts[place],
+                bound: material.bound,
+                length_ratio: rest.length_ratio,
+            }),
+            _ => None,
+        }
+    })
+}
+
+/// The columns that damping reads and writes, of a body from `first_cell` on.
+fn damped_columns<'a>(
+    moving: &'a mut MovingColumns,
+    rest: &BodyColumns<'a>,
+    first_cell: usize,
+) -> DampedColumns<'a> {
+    let MovingColumns { position, displacement, .. } = moving;
+    DampedColumns { position, displacement, inverse_mass: &rest.inverse_mass[first_cell..] }
 }
 
 /// The batches from `first` up to `end`, the last first if `backwards`.

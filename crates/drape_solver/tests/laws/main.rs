@@ -19,6 +19,7 @@ mod continuous;
 mod convergence;
 mod cutting;
 mod cylinder;
+mod damping;
 mod determinism;
 mod drag;
 mod drape;
