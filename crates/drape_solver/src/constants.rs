@@ -149,6 +149,9 @@ pub const LEAST_SHARED_CELLS: usize = 400;
 /// Cells with self-contact in an island from which on threads share the search for what touches.
 pub const LEAST_TOUCHING_CELLS: usize = 64;
 
+/// Cells for each thread from which on threads share the bodies of an island.
+pub const LEAST_SHARED_BODIES: usize = 16;
+
 /// Pairs of leaves for each thread from which on threads share the search for pairs of stars.
 pub const LEAST_SHARED_LEAF_PAIRS: usize = 128;
 

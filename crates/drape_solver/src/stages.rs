@@ -6,7 +6,9 @@ use glam::Vec3;
 
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, OVER_RELAXATION, ROUNDS_OF_LAYERS};
 use crate::constraint::{angular_momentum, bend, volume};
+use crate::contact::ball_cloth::BallClothContacts;
 use crate::contact::island_contacts::IslandContacts;
+use crate::contact::mover::Mover;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
     joint, particle_dynamic, reaction, report, surface, tether_pull,
@@ -15,6 +17,8 @@ use crate::island::{Island, IslandContext};
 use crate::motion::environment::Environment;
 use crate::parallel::workers::Workers;
 use crate::state::ball::Ball;
+use crate::state::substep::Substep;
+use crate::substep::island_bodies::{IslandBodies, IslandBody};
 use crate::substep::order::{BodyStage, IslandStage, Span, Stages};
 use crate::substep::sweep;
 
@@ -30,11 +34,7 @@ pub(crate) fn walk<const N: usize>(
             match stages {
                 Stages::Island(stage) => run_island_stage(island, environment, workers, stage),
                 Stages::Bodies(stages) => {
-                    for index in 0..island.bodies.len() {
-                        for (place, &stage) in (first..).zip(stages) {
-                            run_body_stage(island, environment, workers, index, (stage, place), projection);
-                        }
-                    }
+                    run_body_stages(island, environment, workers, stages, (first, projection));
                     first += stages.len();
                 }
             }
@@ -42,19 +42,58 @@ pub(crate) fn walk<const N: usize>(
     }
 }
 
-/// Runs one stage of one body; `place` is the stage's index in the order.
-fn run_body_stage(
+/// Runs some stages of all bodies, one body after another; or several at a time, if no ball or mover takes part, as these belong to
+/// no body.
+fn run_body_stages(
     island: &mut Island,
     environment: &Environment,
     workers: &Workers,
-    index: usize,
-    (stage, place): (BodyStage, usize),
-    projection: u32,
+    stages: &[BodyStage],
+    (first, projection): (usize, u32),
 ) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, balls, context, .. } = island;
-    let IslandContacts { bodies: contacts, ball_cloth, movers, .. } = &mut context.contacts;
-    let (body, contacts, plan) = (&mut bodies[index], &mut contacts[index], &mut context.plans[index]);
+    let IslandContext {
+        plans, contacts: IslandContacts { bodies: contacts, ball_cloth, movers, .. }, ..
+    } = context;
+    let places = || (first..).zip(stages);
+    if balls.is_empty() && movers.is_empty() {
+        let mut all = IslandBodies { bodies, contacts, plans };
+        all.for_each(workers, &|(body, contacts, plan)| {
+            for (place, &stage) in places() {
+                let mut nothing = BallClothContacts::default();
+                let others = Others { index: 0, balls: &[], ball_cloth: &mut nothing, movers: &mut [] };
+                run_body_stage((body, contacts, plan), others, substep, workers, (stage, place), projection);
+            }
+        });
+        return;
+    }
+    let all = bodies.iter_mut().zip(contacts).zip(plans).enumerate();
+    for (index, ((body, contacts), plan)) in all {
+        for (place, &stage) in places() {
+            let others = Others { index, balls, ball_cloth, movers };
+            run_body_stage((body, contacts, plan), others, substep, workers, (stage, place), projection);
+        }
+    }
+}
+
+/// What does not belong to the body at this `index` of the island, but takes part in its stages.
+struct Others<'a> {
+    index: usize,
+    balls: &'a [Ball],
+    ball_cloth: &'a mut BallClothContacts,
+    movers: &'a mut [Mover],
+}
+
+/// Runs one stage of one body; `place` is the stage's index in the order.
+fn run_body_stage(
+    (body, contacts, plan): IslandBody,
+    Others { index, balls, ball_cloth, movers }: Others,
+    substep: Substep,
+    workers: &Workers,
+    (stage, place): (BodyStage, usize),
+    projection: u32,
+) {
     match stage {
         BodyStage::MovePins => sweep::move_pins(body),
         BodyStage::NotePins => body.note_pin_travel(),
@@ -180,17 +219,24 @@ fn run_island_stage(island: &mut Island, environment: &Environment, workers: &Wo
 fn project_layers(island: &mut Island, environment: &Environment, workers: &Workers) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
-    let IslandContacts { bodies: contacts, surfaces, movers, .. } = &mut context.contacts;
+    let IslandContext { plans, contacts: IslandContacts { bodies: contacts, surfaces, movers, .. }, .. } =
+        context;
     surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES, workers);
     if !surfaces.is_near() {
         return;
     }
     for _ in 1..ROUNDS_OF_LAYERS {
         surfaces.project(bodies, OVER_RELAXATION);
-        let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
-        for ((body, contacts), plan) in all.filter(|((body, _), _)| body.has_self_contact()) {
-            let last = plan.plan.last_contacts.clone();
-            sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, last);
+        let mut all = IslandBodies { bodies, contacts, plans };
+        all.for_each(workers, &|(body, contacts, plan)| {
+            if body.has_self_contact() {
+                let last = plan.plan.last_contacts.clone();
+                sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, last);
+            }
+        });
+        for (body, contacts) in
+            bodies.iter_mut().zip(&mut *contacts).filter(|(body, _)| body.has_self_contact())
+        {
             particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);
         }
     }

@@ -60,6 +60,7 @@ use crate::stages::walk;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::substep::begin;
+use crate::substep::island_bodies::IslandBodies;
 use crate::substep::sweep;
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -232,14 +233,15 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     };
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
-    let IslandContext { contacts, report, reactions, substeps, .. } = context;
-    let search_step = SearchStep { dt, substeps: *substeps, reach };
-    for (body, of_body) in bodies.iter().zip(&mut contacts.bodies) {
-        body_contacts::detect(of_body, body, obstacles, search_step, *isa, workers);
-    }
+    let IslandContext { contacts, plans, report, reactions, substeps, .. } = context;
+    let (isa, search_step) = (*isa, SearchStep { dt, substeps: *substeps, reach });
+    let mut all = IslandBodies { bodies, contacts: &mut contacts.bodies, plans };
+    all.for_each(workers, &|(body, of_body, _)| {
+        body_contacts::detect(of_body, body, obstacles, search_step, isa, workers);
+    });
     ball_obstacle::detect(&mut contacts.ball_obstacle, balls, obstacles, dt, gravity);
     ball_ball::detect(&mut contacts.ball_ball, balls, dt, gravity);
-    ball_cloth::detect(&mut contacts.ball_cloth, bodies, balls, *isa, [dt, gravity, speed]);
+    ball_cloth::detect(&mut contacts.ball_cloth, bodies, balls, isa, [dt, gravity, speed]);
     impact_zone::begin_step(&mut contacts.impact_zones, &mut contacts.ball_cloth.pairs, bodies, balls);
     report::detect(report, contacts, bodies, balls, obstacles, reach);
     reaction::detect(reactions, contacts, obstacles);

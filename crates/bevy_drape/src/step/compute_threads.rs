@@ -1,5 +1,9 @@
 //! The worker threads for islands and large bodies.
 
+use std::num::NonZero;
+use std::sync::LazyLock;
+use std::thread::available_parallelism;
+
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use drape_solver::Threads;
 
@@ -7,9 +11,10 @@ use drape_solver::Threads;
 pub(crate) struct ComputeThreads;
 
 impl Threads for ComputeThreads {
-    /// Includes the calling thread, which may be outside the pool.
+    /// Includes the calling thread, which may be outside the pool; but no more threads than cores. A pool has a thread even on a
+    /// single core, where it would take the leader's time to wait for work.
     fn count(&self) -> usize {
-        1 + pool().thread_num()
+        (1 + pool().thread_num()).min(*CORES)
     }
 
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
@@ -19,6 +24,8 @@ impl Threads for ComputeThreads {
         });
     }
 }
+
+static CORES: LazyLock<usize> = LazyLock::new(|| available_parallelism().map_or(1, NonZero::get));
 
 pub(super) fn pool() -> &'static TaskPool {
     ComputeTaskPool::get_or_init(TaskPool::default)

@@ -3,6 +3,7 @@
 //! Imports: contacts, constraints and below. Callers: `step`.
 
 pub(crate) mod begin;
+pub(crate) mod island_bodies;
 pub(crate) mod order;
 pub(crate) mod plan;
 pub(crate) mod sweep;
