@@ -152,6 +152,9 @@ pub const LEAST_TOUCHING_CELLS: usize = 64;
 /// Cells for each thread from which on threads share the bodies of an island.
 pub const LEAST_SHARED_BODIES: usize = 16;
 
+/// Stars for each thread from which on threads share the bodies whose surfaces may touch.
+pub const LEAST_SHARED_STARS: usize = 256;
+
 /// Pairs of leaves for each thread from which on threads share the search for pairs of stars.
 pub const LEAST_SHARED_LEAF_PAIRS: usize = 128;
 

@@ -151,6 +151,8 @@ pub(crate) struct PlacedTree {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedLeaf {
     pub bounds: SweptBox,
+    /// The bounds of the stars whose pairs are looked for.
+    pub active: SweptBox,
     /// The lean of its stars' faces.
     pub lean: Lean,
 }
@@ -158,14 +160,27 @@ pub(crate) struct PlacedLeaf {
 #[derive(Clone, Copy, Debug)]
 struct PlacedNode {
     bounds: SweptBox,
+    /// The bounds of the stars whose pairs are looked for, if there `is_active` one.
+    active: SweptBox,
     lean: Lean,
     is_flat: bool,
     is_active: bool,
 }
 
 impl PlacedNode {
-    const NOTHING: Self =
-        Self { bounds: SweptBox::NOTHING, lean: Lean::NOTHING, is_flat: false, is_active: false };
+    const NOTHING: Self = Self {
+        bounds: SweptBox::NOTHING,
+        active: SweptBox::NOTHING,
+        lean: Lean::NOTHING,
+        is_flat: false,
+        is_active: false,
+    };
+
+    /// True if the pairs of a star of one are looked for that may touch something of the other.
+    fn may_pair(&self, other: &Self) -> bool {
+        self.bounds.meets(&other.bounds)
+            && (self.active.meets(&other.bounds) || self.bounds.meets(&other.active))
+    }
 }
 
 /// A body's surface and the boxes of its patches.
@@ -180,12 +195,15 @@ pub(crate) struct PlacedSurface<'a> {
 impl PlacedTree {
     /// Puts boxes around all leaves and nodes, from those of the stars.
     pub fn refit_from_stars(&mut self, surface: &Surface) {
-        let Self { stars, leaves, leans, .. } = self;
+        let Self { stars, leaves, leans, active, .. } = self;
         leaves.clear();
-        leaves.extend(stars.iter().zip(surface.stars.chunks_exact(LANES)).map(|(boxes, stars)| {
+        let all = stars.iter().zip(&*active).zip(surface.stars.chunks_exact(LANES));
+        leaves.extend(all.map(|((boxes, &active), stars)| {
             let mut lean = Lean::NOTHING;
             stars.iter().for_each(|star| lean.add(&leans[star.centre as usize]));
-            PlacedLeaf { bounds: boxes.whole.all(), lean }
+            let bounds = boxes.whole.of(u16::MAX);
+            let active = if active == u16::MAX { bounds } else { boxes.whole.of(active) };
+            PlacedLeaf { bounds, active, lean }
         }));
         self.refit(surface);
     }
@@ -206,17 +224,18 @@ impl PlacedTree {
         nodes.clear();
         nodes.resize(surface.nodes.len(), PlacedNode::NOTHING);
         for (place, node) in surface.nodes.iter().enumerate().rev() {
-            let (PlacedLeaf { bounds, lean }, is_active) = if node.right == 0 {
+            let (PlacedLeaf { bounds, active, lean }, is_active) = if node.right == 0 {
                 let leaf = node.first as usize / LANES;
                 (leaves[leaf], active[leaf] != 0)
             } else {
                 let [a, b] = [place + 1, node.right as usize].map(|child| &nodes[child]);
                 let mut lean = a.lean;
                 lean.add(&b.lean);
-                (PlacedLeaf { bounds: a.bounds.and(&b.bounds), lean }, a.is_active || b.is_active)
+                let (bounds, active) = (a.bounds.and(&b.bounds), a.active.and(&b.active));
+                (PlacedLeaf { bounds, active, lean }, a.is_active || b.is_active)
             };
             let is_flat = node.is_connected && lean.is_flat();
-            nodes[place] = PlacedNode { bounds, lean, is_flat, is_active };
+            nodes[place] = PlacedNode { bounds, active, lean, is_flat, is_active };
         }
     }
 
@@ -283,7 +302,7 @@ impl PlacedSurface<'_> {
 
     fn pairs_between(&self, here: usize, other: &PlacedSurface, there: usize, found: &mut Vec<[u32; 2]>) {
         let (p, q) = (&self.at.nodes[here], &other.at.nodes[there]);
-        if !(p.is_active || q.is_active) || !p.bounds.meets(&q.bounds) {
+        if !(p.is_active || q.is_active) || !p.may_pair(q) {
             return;
         }
         let (a, b) = (&self.surface.nodes[here], &other.surface.nodes[there]);
@@ -364,16 +383,21 @@ impl Kernel for FindStarPairs<'_> {
         let (less, less_back) = (less(own.at, other.at), less(other.at, own.at));
         for &[a, b] in leaves {
             let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
-            let from = x.whole.meets(simd, &other.at.leaves[b as usize].bounds);
+            let of_b = &other.at.leaves[b as usize];
+            let (active, active_there) = (own.at.active[a as usize], other.at.active[b as usize]);
+            let mut from = x.whole.meets(simd, &of_b.bounds);
             let to = y.whole.meets(simd, &own.at.leaves[a as usize].bounds);
+            if active != u16::MAX {
+                from &= active | x.whole.meets(simd, &of_b.active);
+            }
             if to == 0 {
                 continue;
             }
             for lane in set_lanes(from) {
                 let star = a * LANES as u32 + lane as u32;
                 let mut hits = to & y.whole.meets_lane(simd, &x.whole, lane);
-                if own.at.active[a as usize] & (1 << lane) == 0 {
-                    hits &= other.at.active[b as usize];
+                if active & (1 << lane) == 0 {
+                    hits &= active_there;
                 }
                 if is_one && hits != 0 {
                     if a == b {

@@ -17,7 +17,7 @@ use glam::Vec3A;
 
 use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::LANES;
-use crate::simd::lanes::load;
+use crate::simd::lanes::{load, set_lanes};
 
 /// A box around some points at the start, in metres, and around their ways.
 #[derive(Clone, Copy, Debug)]
@@ -95,9 +95,9 @@ impl SweptBoxes {
         SweptBox { low: of(&self.low), high: of(&self.high), slow: of(&self.slow), fast: of(&self.fast) }
     }
 
-    /// The box around them all.
-    pub fn all(&self) -> SweptBox {
-        (0..LANES).fold(SweptBox::NOTHING, |all, lane| all.and(&self.at(lane)))
+    /// The box around those in these lanes.
+    pub fn of(&self, lanes: u16) -> SweptBox {
+        set_lanes(lanes).fold(SweptBox::NOTHING, |all, lane| all.and(&self.at(lane)))
     }
 
     /// Bit mask of the things that may touch another on their way.

@@ -20,6 +20,17 @@ fn split<T: Send>(things: &mut [T], share: usize, threads: &dyn Threads, work: &
     threads.join(&mut || split(one, share, threads, work), &mut || split(other, share, threads, work));
 }
 
+/// The number of things that have half of all `sizes`, as nearly as can be.
+pub(crate) fn balanced_cut(sizes: impl Iterator<Item = usize> + Clone) -> usize {
+    let total: usize = sizes.clone().sum();
+    let mut before = 0;
+    let imbalance = (1..).zip(sizes).map(|(count, size)| {
+        before += size;
+        ((2 * before).abs_diff(total), count)
+    });
+    imbalance.min().map_or(0, |(_, count)| count)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,6 +45,15 @@ mod tests {
                 for_each(&mut things, threads, &|thing| *thing += 1);
                 assert_eq!(things, (1..=count).collect::<Vec<_>>());
             }
+        }
+    }
+
+    #[test]
+    fn a_cut_leaves_as_much_on_both_sides_as_can_be() {
+        for (sizes, cut) in
+            [(&[][..], 0), (&[5], 1), (&[3, 3], 1), (&[1, 9, 1], 1), (&[4, 3, 2, 1], 1), (&[1, 2, 3, 4], 3)]
+        {
+            assert_eq!(balanced_cut(sizes.iter().copied()), cut, "{sizes:?}");
         }
     }
 }

@@ -9,6 +9,7 @@
 
 use crate::constants::LEAST_SHARED_BODIES;
 use crate::contact::body_contacts::BodyContacts;
+use crate::parallel::for_each::balanced_cut;
 use crate::parallel::workers::Workers;
 use crate::state::body::Body;
 use crate::substep::plan::BodyPlan;
@@ -27,9 +28,9 @@ impl IslandBodies<'_> {
     /// Does `work` on each body, on several threads if the bodies are large enough. Bodies see nothing of each other, so the result
     /// does not depend on the threads.
     pub fn for_each(&mut self, workers: &Workers, work: &(dyn Fn(IslandBody) + Sync)) {
-        let cut = if workers.count() < 2 { 0 } else { self.balanced_cut() };
+        let cut = if workers.count() < 2 { 0 } else { balanced_cut(cells(self.bodies)) };
         let (before, after) = self.bodies.split_at_mut(cut);
-        if cells(before).min(cells(after)) < LEAST_SHARED_BODIES {
+        if cells(before).sum::<usize>().min(cells(after).sum()) < LEAST_SHARED_BODIES {
             let all = self.bodies.iter_mut().zip(&mut *self.contacts).zip(&mut *self.plans);
             all.for_each(|((body, contacts), plan)| work((body, contacts, plan)));
             return;
@@ -39,21 +40,11 @@ impl IslandBodies<'_> {
         let mut after = IslandBodies { bodies: after, contacts: contacts.1, plans: plans.1 };
         workers.join(&mut || before.for_each(workers, work), &mut || after.for_each(workers, work));
     }
-
-    /// The number of bodies that have half of all cells, as nearly as can be.
-    fn balanced_cut(&self) -> usize {
-        let total = cells(self.bodies);
-        let mut before = 0;
-        let imbalance = (1..).zip(&*self.bodies).map(|(count, body)| {
-            before += body.topology.layout.cells();
-            ((2 * before).abs_diff(total), count)
-        });
-        imbalance.min().map_or(0, |(_, count)| count)
-    }
 }
 
-fn cells(bodies: &[Body]) -> usize {
-    bodies.iter().map(|body| body.topology.layout.cells()).sum()
+/// The number of cells of each body.
+fn cells(bodies: &[Body]) -> impl Iterator<Item = usize> + Clone {
+    bodies.iter().map(|body| body.topology.layout.cells())
 }
 
 #[cfg(test)]

@@ -115,7 +115,7 @@ impl FlyingLeaves<'_> {
             let sides = (2.0 * squares.element_sum()).sqrt() + 2.0 * approach;
             Turning { lever: scale * sides, scale }
         };
-        (PlacedLeaf { bounds, lean: Lean::between(low, high) }, turning)
+        (PlacedLeaf { bounds, active: bounds, lean: Lean::between(low, high) }, turning)
     }
 }
 

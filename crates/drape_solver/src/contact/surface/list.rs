@@ -183,9 +183,9 @@ impl PairList {
     ) {
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack };
         let Self { pairs, known, star_pairs, spare_pairs: spare, targets, .. } = self;
-        surfaces.place_boxes(bodies, points, targets, between, reach, isa);
+        surfaces.place_boxes(bodies, points, targets, between, reach, isa, workers);
         surfaces.star_pairs(bodies, isa, workers, star_pairs);
-        surfaces.place_rows(bodies, points, targets, isa);
+        surfaces.place_rows(bodies, points, targets, &star_pairs.found, isa, workers);
         for (pairs, known) in pairs.iter_mut().zip(&mut *known) {
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
             *known = pairs.len();

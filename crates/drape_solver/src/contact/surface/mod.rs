@@ -25,6 +25,7 @@ pub(crate) mod narrow;
 pub(crate) mod pair;
 pub(crate) mod pins;
 pub(crate) mod placed;
+pub(crate) mod placed_body;
 pub(crate) mod points;
 pub(crate) mod reach;
 pub(crate) mod rows;

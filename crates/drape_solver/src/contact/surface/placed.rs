@@ -2,27 +2,24 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use core::ops::Range;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairSearch};
+use crate::broad_phase::surface_pairs::{StarBoxes, StarPairSearch, StarPairs};
 use crate::constants::{BLUNT_EDGES, REST_SHARE};
 use crate::contact::surface::leaves::{FlyingLeaves, Turning};
 use crate::contact::surface::pair::Pair;
+use crate::contact::surface::placed_body::{MOST_TURN, Off, PlacedBody, StarColumns, for_each_body};
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
-use crate::contact::surface::rows::{FlyingStars, PlaceBoxes, PlaceRows, Row};
+use crate::contact::surface::rows::{PlaceBoxes, PlaceRows, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::parallel::workers::Workers;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
-use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
 use crate::state::star::{CORNERS, EDGES, NONE, Star};
-use crate::state::surface::Surface;
-use crate::state::topology::Topology;
 
 /// The surfaces of an island.
 #[derive(Clone, Debug, Default)]
@@ -39,39 +36,13 @@ pub(crate) struct PlacedSurfaces {
     /// Sharpness of each star's edges, from 0 for a flat one to 1.
     sharpness: Vec<[f32; EDGES]>,
     leaf_pairs: Vec<[u32; 2]>,
+    /// True for each leaf of the island with a star of which a pair was found.
+    is_paired: Vec<bool>,
     /// The least height of each star's faces at both ends of the way, or the length of its links, in metres.
     heights: Vec<f32>,
     /// Distance of each point from its expected place in metres, and how far each star has left its way.
     deviations: Vec<f32>,
     offs: Vec<Off>,
-}
-
-/// The surface of one body.
-#[derive(Clone, Debug, Default)]
-struct PlacedBody {
-    topology: Weak<Topology>,
-    /// Its index in the island, and its first particle and leaf there.
-    place: usize,
-    first: u32,
-    first_leaf: u32,
-    tree: PlacedTree,
-    /// The leaves of which pairs were found, by number in the body.
-    paired_leaves: Vec<u32>,
-}
-
-/// The part of a star's motion that its pairs do not expect.
-#[derive(Clone, Copy, Debug, Default)]
-struct Off {
-    /// Greatest distance of its corners from where its row expects them, in metres; and a bound of the angle by which its
-    /// faces have turned, in radians.
-    way: f32,
-    turn: f32,
-    /// The same, when its pairs were last left as they were listed.
-    way_before: f32,
-    /// Turning of its faces until then, since flat patches were left out.
-    turn_before: f32,
-    /// True if its pairs are looked for.
-    is_stale: bool,
 }
 
 /// The way that a list expects.
@@ -94,10 +65,6 @@ impl Way<'_> {
 
 /// Height in metres below which a face has no direction.
 const LEAST_HEIGHT: f32 = 1e-6;
-
-/// Angle in radians by which faces may turn before a patch that lay flat counts as bent: with that of
-/// [`LEAST_FLAT_COSINE`], a right angle.
-const MOST_TURN: f32 = 0.4;
 
 /// Cosines between the normals of two faces from which on the edge between them counts as flat, and as sharp: 15 and 45
 /// degrees.
@@ -229,10 +196,10 @@ impl PlacedSurfaces {
         between: f32,
         reach: Reach,
         isa: Isa,
+        workers: &Workers,
     ) {
-        let Self { bodies: placed, stars, sharpness, heights, offs, .. } = self;
-        for body in placed {
-            let own = body.stars();
+        let (placed, mut columns, stars, sharpness) = self.columns();
+        for_each_body(placed, &mut columns, workers, &|body, StarColumns { heights, offs, .. }| {
             let of = &bodies[body.place];
             let (surface, thickness) = (of.topology.surface(), of.settings.thickness);
             body.tree.growth = [BLUNT_EDGES, 1.0].map(|part| part * thickness * reach.factor + reach.slack);
@@ -242,31 +209,60 @@ impl PlacedSurfaces {
                 reach,
                 between,
                 has_faces: !of.topology.faces.is_empty(),
-                heights: &mut heights[own.clone()],
+                heights,
                 tree: &mut body.tree,
             });
-            body.tree.choose_active(surface, &mut offs[own]);
+            body.tree.choose_active(surface, offs);
             body.tree.refit_from_stars(surface);
-        }
-        // Pairs that are not looked for stay as they were listed.
-        for off in offs {
-            off.way_before = if off.is_stale { 0.0 } else { off.way_before + off.way };
-        }
+            // Pairs that are not looked for stay as they were listed.
+            for off in offs {
+                off.way_before = if off.is_stale { 0.0 } else { off.way_before + off.way };
+            }
+        });
     }
 
-    /// Writes the rows of the stars in all leaves of which [pairs](Self::star_pairs) were found.
-    pub fn place_rows(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], isa: Isa) {
-        let Self { bodies: placed, stars, sharpness, rows, .. } = self;
-        for body in placed {
-            let (own, thickness) = (body.stars(), bodies[body.place].settings.thickness);
-            body.paired_leaves.sort_unstable();
-            body.paired_leaves.dedup();
+    /// Writes the rows of the stars in all leaves of which these pairs were [found](Self::star_pairs).
+    pub fn place_rows(
+        &mut self,
+        bodies: &[Body],
+        points: &Points,
+        targets: &[Vec4],
+        found: &StarPairs,
+        isa: Isa,
+        workers: &Workers,
+    ) {
+        self.note_paired(found);
+        let (placed, mut columns, stars, sharpness) = self.columns();
+        for_each_body(placed, &mut columns, workers, &|body, StarColumns { rows, .. }| {
+            let thickness = bodies[body.place].settings.thickness;
             isa.run(PlaceRows {
                 stars: body.flying([&points.start, targets], thickness, stars, sharpness),
                 leaves: &body.paired_leaves,
-                rows: &mut rows[own],
+                rows,
             });
+        });
+    }
+
+    /// Notes the leaves of these pairs.
+    fn note_paired(&mut self, found: &StarPairs) {
+        let Self { bodies: placed, is_paired, stars, .. } = self;
+        is_paired.clear();
+        is_paired.resize(stars.len() / LANES, false);
+        for star in [&found.corners, &found.edges, &found.crossings].into_iter().flatten().flatten() {
+            is_paired[*star as usize / LANES] = true;
         }
+        for body in placed {
+            let own = &is_paired[body.first_leaf as usize..][..body.tree.stars.len()];
+            body.paired_leaves.clear();
+            body.paired_leaves
+                .extend((0..).zip(own).filter(|(_, is_paired)| **is_paired).map(|(leaf, _)| leaf));
+        }
+    }
+
+    /// The bodies with the columns of all stars that change, and the stars with their sharpness.
+    fn columns(&mut self) -> (&mut [PlacedBody], StarColumns<'_>, &[Star], &[[f32; EDGES]]) {
+        let Self { bodies, stars, sharpness, heights, offs, rows, .. } = self;
+        (bodies, StarColumns { heights, offs, rows }, stars, sharpness)
     }
 
     /// Bounds on turns of faces if no parts can touch in some `substeps`, by the leaves as a whole: all go the ways that are watched.
@@ -313,13 +309,11 @@ impl PlacedSurfaces {
     pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, workers: &Workers, search: &mut StarPairSearch) {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         search.found.clear();
-        placed.iter_mut().for_each(|body| body.paired_leaves.clear());
         for a in 0..placed.len() {
             leaf_pairs.clear();
             placed[a].surface(bodies).own_pairs(leaf_pairs);
             if !leaf_pairs.is_empty() {
                 let body = &mut placed[a];
-                body.paired_leaves.extend(leaf_pairs.iter().flatten());
                 body.tree.find_flat(bodies[body.place].topology.surface());
                 let own = placed[a].surface(bodies);
                 own.star_pairs(&own, leaf_pairs, isa, workers, search);
@@ -332,66 +326,8 @@ impl PlacedSurfaces {
                 let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
                 own.pairs_with(&other, leaf_pairs);
                 own.star_pairs(&other, leaf_pairs, isa, workers, search);
-                placed[a].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[0]));
-                placed[b].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[1]));
             }
         }
-    }
-}
-
-impl PlacedTree {
-    /// Begins new leans of this many slots.
-    fn begin_leans(&mut self, slots: usize) {
-        core::mem::swap(&mut self.leans, &mut self.leans_before);
-        self.leans.clear();
-        self.leans.resize(slots, Lean::NOTHING);
-        // Without a list before, nothing has turned.
-        self.leans_before.resize(slots, Lean::EVERY_WAY);
-    }
-
-    /// Adds the stars around what turns to the stale ones, and notes all of these. That what has gone and what is expected
-    /// now have turned since the pairs were looked for shows in the leans: whether a patch is flat depends on nothing else.
-    fn choose_active(&mut self, surface: &Surface, offs: &mut [Off]) {
-        for (place, star) in surface.stars.iter().enumerate() {
-            let slot = star.centre as usize;
-            let turned = offs[place].turn_before + self.leans[slot].turned_out_of(&self.leans_before[slot]);
-            // Pairs of other stars rest on this one's faces, so it forgets its turn only if these are looked for, too.
-            let is_far = turned > MOST_TURN;
-            offs[place].turn_before = if is_far { 0.0 } else { turned };
-            if is_far {
-                for &(leaf, mask) in surface.near_star(place) {
-                    set_lanes(mask).for_each(|lane| offs[leaf as usize * LANES + lane].is_stale = true);
-                }
-            }
-        }
-        for (active, offs) in self.active.iter_mut().zip(offs.chunks_exact(LANES)) {
-            *active = (0..LANES).fold(0, |mask, k| mask | (u16::from(offs[k].is_stale) << k));
-        }
-    }
-}
-
-impl PlacedBody {
-    /// Its stars among those of the island.
-    fn stars(&self) -> Range<usize> {
-        let first = self.first_leaf as usize * LANES;
-        first..first + self.tree.stars.len() * LANES
-    }
-
-    /// The same with where they are at both ends of their ways, out of the `stars` of the island and their `sharpness`.
-    fn flying<'a>(
-        &self,
-        places: [&'a [Vec4]; 2],
-        thickness: f32,
-        stars: &'a [Star],
-        sharpness: &'a [[f32; EDGES]],
-    ) -> FlyingStars<'a> {
-        let own = self.stars();
-        let (stars, sharpness) = (&stars[own.clone()], &sharpness[own]);
-        FlyingStars { stars, first: self.first, sharpness, places, thickness }
-    }
-
-    fn interacts(&self, other: &Self, bodies: &[Body]) -> bool {
-        bodies[self.place].layers.interact(bodies[other.place].layers)
     }
 }
 
@@ -412,11 +348,4 @@ fn turn(star: &Star, points: &Points, way: Way) -> f32 {
         }
     }
     (2.0 * (1.0 - least)).sqrt()
-}
-
-impl PlacedBody {
-    fn surface<'a>(&'a self, bodies: &'a [Body]) -> PlacedSurface<'a> {
-        let surface = bodies[self.place].topology.surface();
-        PlacedSurface { surface, at: &self.tree, first_leaf: self.first_leaf }
-    }
 }
