@@ -156,10 +156,10 @@ pub const LEAST_SHARED_BODIES: usize = 16;
 pub const LEAST_SHARED_STARS: usize = 256;
 
 /// Pairs of leaves for each thread from which on threads share the search for pairs of stars.
-pub const LEAST_SHARED_LEAF_PAIRS: usize = 128;
+pub const LEAST_SHARED_LEAF_PAIRS: usize = 32;
 
 /// Pairs of stars, or of parts, for each thread from which on threads share them: sharing costs about a microsecond.
-pub const LEAST_SHARED_PAIRS: usize = 1024;
+pub const LEAST_SHARED_PAIRS: usize = 256;
 
 /// Strips for each thread and strip of lag from which on threads share a body: one thread alone does the wedges between
 /// their parts.

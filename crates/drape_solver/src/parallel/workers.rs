@@ -2,11 +2,14 @@
 //!
 //! A body is divided anew in every trip down its strips, tenths of a millisecond apart, and waking a thread takes as
 //! long. So the leader calls the host's threads once a step, and those that come wait in a loop for work until they are
-//! dismissed. The leader never waits for a helper to come: until then, it does the work alone.
+//! dismissed. A helper that waits for long sleeps, and is woken by the next offer.
+//!
+//! The leader never waits for a helper to come: until then, it does the work alone. Nor for one that has lost its core to
+//! another thread of the game: what a helper has not begun when the leader is through, the leader takes back and does itself.
 //!
 //! ```text
-//!   leader  | alone ------ | upper half | wedge | upper half | wedge |
-//!   helper  | wakes up ... | lower half |  ...  | lower half |  ...  | dismissed
+//!   leader  | alone ------ | upper half | wedge | upper half | lower half | wedge |
+//!   helper  | wakes up ... | lower half |  ...  |  (has no core)  ...             | dismissed
 //! ```
 //!
 //! Design: `docs/design/sweeps_and_threads.md`.
@@ -15,14 +18,16 @@
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::OnceLock;
+use std::thread::Thread;
 
 use crate::parallel::threads::Threads;
 
 /// The greatest number of helpers that get work.
 const MOST_HELPERS: usize = 7;
 
-/// The number of rounds of waiting after which a thread yields its core.
-const ROUNDS_OF_WAITING: u32 = 1 << 14;
+/// The number of rounds of waiting, some tenths of a millisecond, after which a helper sleeps and a leader yields its core.
+const ROUNDS_OF_WAITING: u32 = 1 << 12;
 
 type Job<'a> = &'a mut (dyn FnMut() + Send);
 
@@ -41,22 +46,40 @@ pub(crate) struct Workers {
 struct WorkerSlot {
     state: AtomicU32,
     job: UnsafeCell<Option<Job<'static>>>,
+    helper: OnceLock<Thread>,
 }
 
 /// No helper is in this place.
 const EMPTY: u32 = 0;
-/// A helper waits for work.
+/// A helper waits for work in a loop.
 const IDLE: u32 = 1;
-/// A thread has claimed the helper and is about to give it work.
-const CLAIMED: u32 = 2;
+/// A helper sleeps until there is work.
+const ASLEEP: u32 = 2;
+/// A thread has claimed the place, to put a job into it or to take one back.
+const CLAIMED: u32 = 3;
+/// There is a job, which the helper may begin and the thread that gave it may take back.
+const OFFERED: u32 = 4;
 /// The helper owns the place until it has done the job.
-const WORKING: u32 = 3;
+const WORKING: u32 = 5;
 /// The job is done: the place belongs to the thread that gave it.
-const DONE: u32 = 4;
+const DONE: u32 = 6;
 
-// SAFETY: `job` is only touched by the thread that `state` names: whoever moved it from IDLE to CLAIMED, until it stores
-// WORKING; then the helper, until it stores DONE. These stores release and the loads that see them acquire.
+// SAFETY: `job` is only touched by the thread that `state` names: whoever moved it from IDLE, ASLEEP or OFFERED to CLAIMED, until it
+// stores OFFERED or IDLE; and the helper from when it moved it from OFFERED to WORKING, until it stores DONE. These stores release,
+// and the exchanges and loads that see them acquire.
 unsafe impl Sync for WorkerSlot {}
+
+impl WorkerSlot {
+    /// Moves the state from one to another, if it is in the first.
+    fn shift(&self, from: u32, to: u32) -> bool {
+        self.state.compare_exchange(from, to, Ordering::SeqCst, Ordering::Relaxed).is_ok()
+    }
+
+    /// Wakes the helper.
+    fn wake(&self) {
+        self.helper.get().into_iter().for_each(Thread::unpark);
+    }
+}
 
 impl Workers {
     /// Runs `lead` with this thread as leader, and with as many of `threads` as come to help.
@@ -82,14 +105,15 @@ impl Workers {
 
     /// Stands by until dismissed.
     fn help(&self, place: &WorkerSlot) {
-        if self.is_dismissed.load(Ordering::Acquire) {
+        if self.is_dismissed.load(Ordering::SeqCst) {
             return;
         }
+        place.helper.get_or_init(std::thread::current);
         place.state.store(IDLE, Ordering::Release);
         let mut rounds = 0;
         loop {
             match place.state.load(Ordering::Acquire) {
-                WORKING => {
+                OFFERED if place.shift(OFFERED, WORKING) => {
                     // SAFETY: the state is WORKING, so the place is this thread's until `Done` is dropped.
                     let job = unsafe { (*place.job.get()).take() };
                     let _done = Done(place);
@@ -98,14 +122,29 @@ impl Workers {
                     }
                     rounds = 0;
                 }
-                IDLE if self.is_dismissed.load(Ordering::Acquire) => {
-                    let left = place.state.compare_exchange(IDLE, EMPTY, Ordering::AcqRel, Ordering::Relaxed);
-                    if left.is_ok() {
+                IDLE if self.is_dismissed.load(Ordering::SeqCst) => {
+                    if place.shift(IDLE, EMPTY) {
                         return;
                     }
                 }
-                _ => rounds = wait(rounds),
+                IDLE if rounds >= ROUNDS_OF_WAITING && place.shift(IDLE, ASLEEP) => self.sleep(place),
+                _ => {
+                    rounds = rounds.saturating_add(1);
+                    core::hint::spin_loop();
+                }
             }
+        }
+    }
+
+    /// Sleeps until there is an offer, or until dismissed.
+    fn sleep(&self, place: &WorkerSlot) {
+        while place.state.load(Ordering::Acquire) == ASLEEP {
+            // The leader first dismisses and then looks who sleeps, so one of the two sees the other.
+            if self.is_dismissed.load(Ordering::SeqCst) {
+                place.shift(ASLEEP, IDLE);
+                return;
+            }
+            std::thread::park();
         }
     }
 }
@@ -113,7 +152,8 @@ impl Workers {
 impl Workers {
     /// The number of workers that are free now: the leader, and the helpers that have come and wait.
     pub fn count(&self) -> usize {
-        1 + self.places.iter().filter(|place| place.state.load(Ordering::Relaxed) == IDLE).count()
+        let is_free = |place: &&WorkerSlot| matches!(place.state.load(Ordering::Relaxed), IDLE | ASLEEP);
+        1 + self.places.iter().filter(is_free).count()
     }
 
     /// The greatest number of workers that may be free in a moment.
@@ -121,24 +161,30 @@ impl Workers {
         1 + self.called
     }
 
-    /// Runs both closures, at the same time if a helper is free, and returns when both have ended.
+    /// Runs both closures, at the same time if a helper begins the other one in time, and returns when both have ended.
     pub fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-        let is_claimed = |place: &&WorkerSlot| {
-            place.state.compare_exchange(IDLE, CLAIMED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
-        };
-        let Some(place) = self.places.iter().find(is_claimed) else {
+        // Those that are awake come first.
+        let mut places =
+            [IDLE, ASLEEP].into_iter().flat_map(|state| self.places.iter().map(move |place| (place, state)));
+        let Some((place, state)) = places.find(|(place, state)| place.shift(*state, CLAIMED)) else {
             one();
             other();
             return;
         };
-        // SAFETY: only the lifetime is changed. The job is not used after this function returns, or unwinds: `Wait` does
-        // not let it before the helper has stored DONE, after which the helper does not touch the job again.
-        let job = unsafe { core::mem::transmute::<Job<'_>, Job<'static>>(other) };
+        // SAFETY: only the lifetime is changed. The job is not used after this function returns, or unwinds: `Offer` does not let
+        // it before the job is taken back, or the helper has stored DONE, after which the helper does not touch the job again.
+        let job = unsafe { core::mem::transmute::<Job<'_>, Job<'static>>(&mut *other) };
         // SAFETY: the state is CLAIMED by this thread.
         unsafe { *place.job.get() = Some(job) };
-        let _wait = Wait(place);
-        place.state.store(WORKING, Ordering::Release);
+        let mut offer = Offer { place, is_open: true };
+        place.state.store(OFFERED, Ordering::Release);
+        if state == ASLEEP {
+            place.wake();
+        }
         one();
+        if offer.end() {
+            other();
+        }
     }
 }
 
@@ -147,7 +193,9 @@ struct Release<'a>(&'a Workers);
 
 impl Drop for Release<'_> {
     fn drop(&mut self) {
-        self.0.is_dismissed.store(true, Ordering::Release);
+        self.0.is_dismissed.store(true, Ordering::SeqCst);
+        let is_asleep = |place: &&WorkerSlot| place.state.load(Ordering::SeqCst) == ASLEEP;
+        self.0.places.iter().filter(is_asleep).for_each(WorkerSlot::wake);
     }
 }
 
@@ -160,26 +208,42 @@ impl Drop for Done<'_> {
     }
 }
 
-/// Waits until the job that was given is done.
-struct Wait<'a>(&'a WorkerSlot);
+/// A job that was offered to a helper.
+struct Offer<'a> {
+    place: &'a WorkerSlot,
+    is_open: bool,
+}
 
-impl Drop for Wait<'_> {
-    fn drop(&mut self) {
-        let mut rounds = 0;
-        while self.0.state.load(Ordering::Acquire) != DONE {
-            rounds = wait(rounds);
+impl Offer<'_> {
+    /// Takes the job back if the helper has not begun it, which is true then; else waits until it is done.
+    fn end(&mut self) -> bool {
+        self.is_open = false;
+        let is_taken_back = self.place.shift(OFFERED, CLAIMED);
+        if is_taken_back {
+            // SAFETY: the state is CLAIMED by this thread.
+            unsafe { *self.place.job.get() = None };
+        } else {
+            let mut rounds = 0;
+            while self.place.state.load(Ordering::Acquire) != DONE {
+                if rounds < ROUNDS_OF_WAITING {
+                    rounds += 1;
+                    core::hint::spin_loop();
+                } else {
+                    std::thread::yield_now();
+                }
+            }
         }
-        self.0.state.store(IDLE, Ordering::Release);
+        self.place.state.store(IDLE, Ordering::Release);
+        is_taken_back
     }
 }
 
-fn wait(rounds: u32) -> u32 {
-    if rounds < ROUNDS_OF_WAITING {
-        core::hint::spin_loop();
-    } else {
-        std::thread::yield_now();
+impl Drop for Offer<'_> {
+    fn drop(&mut self) {
+        if self.is_open {
+            self.end();
+        }
     }
-    rounds.saturating_add(1)
 }
 
 #[cfg(test)]
@@ -217,29 +281,74 @@ mod tests {
     fn a_helper_that_has_come_is_used() {
         let mut of_helper = None;
         Workers::run(&Fresh(2), &mut |workers| {
-            while workers.count() < 2 {
-                std::thread::yield_now();
-            }
-            workers.join(&mut || {}, &mut || of_helper = Some(std::thread::current().id()));
+            until(|| workers.count() == 2);
+            let begun = AtomicBool::new(false);
+            workers.join(&mut || until(|| begun.load(Ordering::Acquire)), &mut || {
+                of_helper = Some(std::thread::current().id());
+                begun.store(true, Ordering::Release);
+            });
         });
         assert!(of_helper.is_some_and(|id| id != std::thread::current().id()));
+    }
+
+    fn until(is_so: impl Fn() -> bool) {
+        while !is_so() {
+            std::thread::yield_now();
+        }
     }
 
     #[test]
     #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
     fn a_panic_waits_for_the_other_half() {
-        let finished = AtomicBool::new(false);
+        let [begun, finished] = [const { AtomicBool::new(false) }; 2];
         let outcome = std::panic::catch_unwind(|| {
             Workers::run(&Fresh(2), &mut |workers| {
-                while workers.count() < 2 {
-                    std::thread::yield_now();
-                }
-                workers.join(&mut || panic!("on purpose"), &mut || {
+                until(|| workers.count() == 2);
+                let mut one = || {
+                    until(|| begun.load(Ordering::Acquire));
+                    panic!("on purpose");
+                };
+                workers.join(&mut one, &mut || {
+                    begun.store(true, Ordering::Release);
                     std::thread::sleep(core::time::Duration::from_millis(20));
                     finished.store(true, Ordering::Release);
                 });
             });
         });
         assert!(outcome.is_err() && finished.load(Ordering::Acquire));
+    }
+
+    /// A helper that waits in a loop has lost its core, for all that a leader can tell, or works for another: the leader took 35 s for what
+    /// it does in 12 s alone, on two cores of which one was busy with another program.
+    #[test]
+    #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
+    fn what_a_helper_does_not_begin_is_taken_back() {
+        let workers = Workers { called: 1, ..Workers::default() };
+        // It waits, and never looks.
+        for state in [IDLE, ASLEEP] {
+            workers.places[0].state.store(state, Ordering::Release);
+            let (mut ones, mut others) = (0, 0);
+            for _ in 0..10 {
+                workers.join(&mut || ones += 1, &mut || others += 1);
+            }
+            assert_eq!((ones, others), (10, 10));
+            assert_eq!(workers.count(), 2, "it is free again");
+        }
+    }
+
+    #[test]
+    #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
+    fn a_helper_that_sleeps_is_woken_by_an_offer() {
+        let mut of_helper = None;
+        Workers::run(&Fresh(2), &mut |workers| {
+            until(|| workers.places.iter().any(|place| place.state.load(Ordering::Acquire) == ASLEEP));
+            let begun = AtomicBool::new(false);
+            workers.join(&mut || until(|| begun.load(Ordering::Acquire)), &mut || {
+                of_helper = Some(std::thread::current().id());
+                begun.store(true, Ordering::Release);
+            });
+            until(|| workers.places.iter().any(|place| place.state.load(Ordering::Acquire) == ASLEEP));
+        });
+        assert!(of_helper.is_some_and(|id| id != std::thread::current().id()));
     }
 }
