@@ -158,7 +158,8 @@ pub const LEAST_SHARED_STARS: usize = 256;
 /// Pairs of leaves for each thread from which on threads share the search for pairs of stars.
 pub const LEAST_SHARED_LEAF_PAIRS: usize = 32;
 
-/// Pairs of stars, or of parts, for each thread from which on threads share them: sharing costs about a microsecond.
+/// Pairs of stars, or of parts, for each thread from which on threads share them: sharing costs about a microsecond, and a few more if
+/// a helper must be woken.
 pub const LEAST_SHARED_PAIRS: usize = 256;
 
 /// Strips for each thread and strip of lag from which on threads share a body: one thread alone does the wedges between

@@ -42,8 +42,7 @@ pub(crate) fn walk<const N: usize>(
     }
 }
 
-/// Runs some stages of all bodies, one body after another; or several at a time, if no ball or mover takes part, as these belong to
-/// no body.
+/// Runs some stages of all bodies. Threads share the bodies if there is no ball or mover: these belong to no body.
 fn run_body_stages(
     island: &mut Island,
     environment: &Environment,
@@ -61,6 +60,7 @@ fn run_body_stages(
         let mut all = IslandBodies { bodies, contacts, plans };
         all.for_each(workers, &|(body, contacts, plan)| {
             for (place, &stage) in places() {
+                // Without balls nobody asks for the index.
                 let mut nothing = BallClothContacts::default();
                 let others = Others { index: 0, balls: &[], ball_cloth: &mut nothing, movers: &mut [] };
                 run_body_stage((body, contacts, plan), others, substep, workers, (stage, place), projection);
@@ -77,7 +77,7 @@ fn run_body_stages(
     }
 }
 
-/// What does not belong to the body at this `index` of the island, but takes part in its stages.
+/// Balls, movers and contacts of balls, which belong to no body; `index` is the body's place in the island.
 struct Others<'a> {
     index: usize,
     balls: &'a [Ball],

@@ -72,7 +72,7 @@ pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepEr
     step_on(island, environment, &Alone)
 }
 
-/// The same on several threads, which share large bodies; the bits are the same.
+/// The same on several threads, which share large bodies and those of an island; the bits are the same.
 ///
 /// # Errors
 /// As [`step`].

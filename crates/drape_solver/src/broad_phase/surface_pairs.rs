@@ -160,7 +160,7 @@ pub(crate) struct PlacedLeaf {
 #[derive(Clone, Copy, Debug)]
 struct PlacedNode {
     bounds: SweptBox,
-    /// The bounds of the stars whose pairs are looked for, if there `is_active` one.
+    /// The bounds of the stars whose pairs are looked for; nothing if there is none.
     active: SweptBox,
     lean: Lean,
     is_flat: bool,
@@ -302,7 +302,7 @@ impl PlacedSurface<'_> {
 
     fn pairs_between(&self, here: usize, other: &PlacedSurface, there: usize, found: &mut Vec<[u32; 2]>) {
         let (p, q) = (&self.at.nodes[here], &other.at.nodes[there]);
-        if !(p.is_active || q.is_active) || !p.may_pair(q) {
+        if !p.may_pair(q) {
             return;
         }
         let (a, b) = (&self.surface.nodes[here], &other.surface.nodes[there]);

@@ -4,8 +4,8 @@
 //!   before   <--o=========o-->        after   <-o=========o->        part = 1 - exp(-damping h)
 //! ```
 //!
-//! Sticks of grids go a cell at a time and [listed ones](super::listed_damping) eight at a time, loose ones by themselves; all give
-//! the bits of [`damped`]. Sticks take their turns batch after batch, as in relaxation.
+//! Sticks of grids go a cell at a time and [listed ones](super::listed_damping) eight at a time, loose ones by themselves; all do what
+//! [`damped`] does. Sticks take their turns batch after batch, as in relaxation.
 //!
 //! Design: `docs/design/relaxation.md`.
 
@@ -75,6 +75,7 @@ pub(crate) struct DampedColumns<'a> {
 
 impl DampedColumns<'_> {
     /// Damps the sticks of a grid in the strips that begin at `first_cells`: lane `l` of one cell against lane `l + shift` of another.
+    /// None of a grid acts at one side only.
     #[inline(always)]
     pub fn damp_run<S: Simd>(
         &mut self,

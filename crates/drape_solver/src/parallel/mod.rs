@@ -1,4 +1,4 @@
-//! Threads of the host, and the workers that share a large body.
+//! Threads of the host, and the workers that share large bodies and those of an island.
 //!
 //! ```
 //! use drape_solver::{BodySettings, ClothBuilder, Environment, Island, Threads, step_on};

@@ -1,4 +1,4 @@
-//! Threads that share the work on a large body. The solver starts none; its host lends them.
+//! Threads that share the work on large bodies and islands. The solver starts none; its host lends them.
 //!
 //! Design: `docs/design/sweeps_and_threads.md`.
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   bodies   | shirt       | jacket            | cape    |
-//!   workers  | helper                          | leader  |     as many cells on both sides as can be
+//!   workers  | leader                          | helper  |     as many cells on both sides as can be
 //! ```
 //!
 //! Design: `docs/design/sweeps_and_threads.md`.
@@ -28,6 +28,7 @@ impl IslandBodies<'_> {
     /// Does `work` on each body, on several threads if the bodies are large enough. Bodies see nothing of each other, so the result
     /// does not depend on the threads.
     pub fn for_each(&mut self, workers: &Workers, work: &(dyn Fn(IslandBody) + Sync)) {
+        debug_assert!([self.contacts.len(), self.plans.len()] == [self.bodies.len(); 2], "each has its own");
         let cut = if workers.count() < 2 { 0 } else { balanced_cut(cells(self.bodies)) };
         let (before, after) = self.bodies.split_at_mut(cut);
         if cells(before).sum::<usize>().min(cells(after).sum()) < LEAST_SHARED_BODIES {
@@ -49,6 +50,7 @@ fn cells(bodies: &[Body]) -> impl Iterator<Item = usize> + Clone {
 
 #[cfg(test)]
 mod tests {
+    use core::sync::atomic::{AtomicBool, Ordering};
     use std::sync::Mutex;
 
     use super::*;
@@ -69,6 +71,8 @@ mod tests {
                 let mut plans = vec![BodyPlan::default(); bodies.len()];
                 let mut contacts = vec![BodyContacts::default(); bodies.len()];
                 let came = Mutex::new(Vec::new());
+                // The leader does not take the other body back before a helper has begun it.
+                let (is_shared, begun) = (sides == [30, 30] && threads.count() > 1, AtomicBool::new(false));
                 for (place, (contacts, plan)) in contacts.iter_mut().zip(&mut plans).enumerate() {
                     contacts.obstacles.near.push(place as u32);
                     plan.plan.update = place;
@@ -86,11 +90,16 @@ mod tests {
                             (sides[plan.plan.update] * sides[plan.plan.update]) as usize
                         );
                         body.pressure += 1.0;
+                        let place = plan.plan.update;
+                        begun.fetch_or(place == 1, Ordering::AcqRel);
+                        while is_shared && !begun.load(Ordering::Acquire) {
+                            std::thread::yield_now();
+                        }
                         came.lock().expect("no panic").push(std::thread::current().id());
                     });
                 });
                 assert!(bodies.iter().all(|body| body.pressure == 1.0));
-                if sides == [30, 30] && threads.count() > 1 {
+                if is_shared {
                     let came = came.into_inner().expect("no panic");
                     assert_ne!(came[0], came[1], "a helper has its share");
                 }

@@ -96,7 +96,7 @@ pub(crate) enum IslandStage {
     KeepApart,
 }
 
-/// Stages that follow each other: of the island, or of each body, one body after another.
+/// Stages that follow each other: of the island, or of each body by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stages {
     Island(IslandStage),

@@ -77,7 +77,7 @@ pub(crate) struct BodyPlan {
     pub lines: LineScratch,
 }
 
-/// What each batch of sticks takes in a substep.
+/// For each batch of sticks, the parts that a substep removes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Factors<'a> {
     /// The part of the errors that an iteration removes.

@@ -73,7 +73,7 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let has_listed_bends = !body.topology.bends.listed.is_empty();
-    // Sweeps note the ways of pins at the end of a substep, and damping needs them before.
+    // `substeps` notes the ways of pins at the end of a substep, and damping needs them before.
     let is_damped_at_pins =
         !body.context.pin_shifts.is_empty() && body.context.damping.iter().any(|&damping| damping > 0.0);
     let is_in_strips =

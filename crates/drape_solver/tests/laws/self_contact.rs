@@ -248,6 +248,36 @@ fn layers_give_the_same_bits_on_any_number_of_threads() {
     }
 }
 
+/// Threads share the bodies of an island, unless a ball takes part.
+#[test]
+fn bodies_that_touch_give_the_same_bits_on_any_number_of_threads() {
+    let layered = |has_ball: bool, take: &dyn Fn(&mut Island, &Environment)| {
+        let sheet = |k: u32| {
+            let corner = Vec3::new(-0.3 - 0.02 * k as f32, 0.05 + 0.03 * k as f32, -0.3);
+            let cloth = ClothBuilder::new(0.6, 0.6, 18 + 3 * k, 20).placed(corner, Vec3::X, Vec3::Z);
+            cloth.build(settings(On)).expect("valid")
+        };
+        let mut island = Island { bodies: (0..3).map(sheet).collect(), ..Island::default() };
+        if has_ball {
+            island.balls.push(ball(smooth(0.1, 1.0), Vec3::Y * 0.4, Vec3::ZERO));
+        }
+        for _ in 0..30 {
+            take(&mut island, &over_ground());
+        }
+        assert!(island.self_contact_counts().pairs > 100, "they touch");
+        hash(&island)
+    };
+    for has_ball in [false, true] {
+        let alone = layered(has_ball, &|island, environment| step(island, environment).expect("a good step"));
+        for threads in [2, 3] {
+            let shared = layered(has_ball, &|island, environment| {
+                step_on(island, environment, &Fresh(threads)).expect("a good step");
+            });
+            assert_eq!(shared, alone, "{threads} threads, ball: {has_ball}");
+        }
+    }
+}
+
 /// A folded cloth refined together with its thickness has as many pairs per particle as before: the cost is linear.
 #[test]
 fn pairs_per_particle_do_not_grow_with_the_cloth() {

@@ -20,7 +20,7 @@ use crate::state::surface::Surface;
 use crate::state::topology::Topology;
 
 /// Angle in radians by which faces may turn before a patch that lay flat counts as bent: with that of
-/// [`LEAST_FLAT_COSINE`], a right angle.
+/// [`LEAST_FLAT_COSINE`](crate::constants::LEAST_FLAT_COSINE), a right angle.
 pub(crate) const MOST_TURN: f32 = 0.4;
 
 /// The surface of one body.
@@ -81,7 +81,7 @@ impl PlacedBody {
     }
 }
 
-/// What is kept for each star of some bodies that follow each other.
+/// The columns of the stars of some bodies that follow each other.
 pub(crate) struct StarColumns<'a> {
     pub heights: &'a mut [f32],
     pub offs: &'a mut [Off],
