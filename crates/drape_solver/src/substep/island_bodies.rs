@@ -29,23 +29,18 @@ impl IslandBodies<'_> {
     /// does not depend on the threads.
     pub fn for_each(&mut self, workers: &Workers, work: &(dyn Fn(IslandBody) + Sync)) {
         debug_assert!([self.contacts.len(), self.plans.len()] == [self.bodies.len(); 2], "each has its own");
-        let cut = if workers.count() < 2 { 0 } else { balanced_cut(cells(self.bodies)) };
-        let (before, after) = self.bodies.split_at_mut(cut);
-        if cells(before).sum::<usize>().min(cells(after).sum()) < LEAST_SHARED_BODIES {
+        let cells = self.bodies.iter().map(|body| body.topology.layout.cells());
+        let Some(cut) = balanced_cut(cells, LEAST_SHARED_BODIES, workers) else {
             let all = self.bodies.iter_mut().zip(&mut *self.contacts).zip(&mut *self.plans);
             all.for_each(|((body, contacts), plan)| work((body, contacts, plan)));
             return;
-        }
+        };
+        let (before, after) = self.bodies.split_at_mut(cut);
         let (contacts, plans) = (self.contacts.split_at_mut(cut), self.plans.split_at_mut(cut));
         let mut before = IslandBodies { bodies: before, contacts: contacts.0, plans: plans.0 };
         let mut after = IslandBodies { bodies: after, contacts: contacts.1, plans: plans.1 };
         workers.join(&mut || before.for_each(workers, work), &mut || after.for_each(workers, work));
     }
-}
-
-/// The number of cells of each body.
-fn cells(bodies: &[Body]) -> impl Iterator<Item = usize> + Clone {
-    bodies.iter().map(|body| body.topology.layout.cells())
 }
 
 #[cfg(test)]

@@ -62,6 +62,14 @@ pub(crate) enum StripStage {
 }
 
 impl StripStage {
+    /// True if it takes the whole body at once, as its sticks may join any two strips.
+    fn goes_alone(self) -> bool {
+        matches!(
+            self,
+            Self::Listed { .. } | Self::Loose { .. } | Self::ListedDamping { .. } | Self::LooseDamping(_)
+        )
+    }
+
     /// Reverses the order of the batches.
     fn reverse(&mut self) {
         if let Self::Listed { backwards, .. } | Self::Loose { backwards, .. } = self {
@@ -281,10 +289,7 @@ impl Plan {
                         lag += runs.reach;
                     }
                 }
-                StripStage::Listed { .. }
-                | StripStage::Loose { .. }
-                | StripStage::ListedDamping { .. }
-                | StripStage::LooseDamping(_) => self.can_sweep = false,
+                stage if stage.goes_alone() => self.can_sweep = false,
                 _ => {}
             }
             self.lags.push(lag);
@@ -295,16 +300,7 @@ impl Plan {
     /// from strip to strip, else one for all stages between listed or loose sticks.
     pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
         let (mut next, end) = (stages.start, stages.end);
-        let goes_alone = |stage: StripStage| {
-            matches!(
-                stage,
-                StripStage::Listed { .. }
-                    | StripStage::Loose { .. }
-                    | StripStage::ListedDamping { .. }
-                    | StripStage::LooseDamping(_)
-            )
-        };
-        let is_alone = move |place: usize| self.lag_of_substep() > 0 || goes_alone(self.stages[place]);
+        let is_alone = move |place: usize| self.lag_of_substep() > 0 || self.stages[place].goes_alone();
         core::iter::from_fn(move || {
             let first = next;
             next = (first + 1..end).find(|&place| is_alone(place - 1) || is_alone(place)).unwrap_or(end);

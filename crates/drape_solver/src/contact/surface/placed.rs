@@ -232,30 +232,26 @@ impl PlacedSurfaces {
         workers: &Workers,
     ) {
         self.note_paired(found);
+        let is_paired = core::mem::take(&mut self.is_paired);
         let (placed, mut columns, stars, sharpness) = self.columns();
         for_each_body(placed, &mut columns, workers, &|body, StarColumns { rows, .. }| {
             let thickness = bodies[body.place].settings.thickness;
             isa.run(PlaceRows {
                 stars: body.flying([&points.start, targets], thickness, stars, sharpness),
-                leaves: &body.paired_leaves,
+                is_needed: &is_paired[body.leaves()],
                 rows,
             });
         });
+        self.is_paired = is_paired;
     }
 
     /// Notes the leaves of these pairs.
     fn note_paired(&mut self, found: &StarPairs) {
-        let Self { bodies: placed, is_paired, stars, .. } = self;
+        let Self { is_paired, stars, .. } = self;
         is_paired.clear();
         is_paired.resize(stars.len() / LANES, false);
         for star in [&found.corners, &found.edges, &found.crossings].into_iter().flatten().flatten() {
             is_paired[*star as usize / LANES] = true;
-        }
-        for body in placed {
-            let own = &is_paired[body.first_leaf as usize..][..body.tree.stars.len()];
-            body.paired_leaves.clear();
-            body.paired_leaves
-                .extend((0..).zip(own).filter(|(_, is_paired)| **is_paired).map(|(leaf, _)| leaf));
         }
     }
 

@@ -32,8 +32,6 @@ pub(crate) struct PlacedBody {
     pub first: u32,
     pub first_leaf: u32,
     pub tree: PlacedTree,
-    /// The leaves with a star of which a pair was found, by number in the body.
-    pub paired_leaves: Vec<u32>,
 }
 
 /// The part of a star's motion that its pairs do not expect.
@@ -54,8 +52,8 @@ pub(crate) struct Off {
 impl PlacedBody {
     /// Its stars among those of the island.
     pub fn stars(&self) -> Range<usize> {
-        let first = self.first_leaf as usize * LANES;
-        first..first + self.tree.stars.len() * LANES
+        let Range { start, end } = self.leaves();
+        start * LANES..end * LANES
     }
 
     /// The same with where they are at both ends of their ways, out of the `stars` of the island and their `sharpness`.
@@ -69,6 +67,12 @@ impl PlacedBody {
         let own = self.stars();
         let (stars, sharpness) = (&stars[own.clone()], &sharpness[own]);
         FlyingStars { stars, first: self.first, sharpness, places, thickness }
+    }
+
+    /// Its leaves among those of the island.
+    pub fn leaves(&self) -> Range<usize> {
+        let first = self.first_leaf as usize;
+        first..first + self.tree.stars.len()
     }
 
     pub fn interacts(&self, other: &Self, bodies: &[Body]) -> bool {
@@ -108,9 +112,7 @@ pub(crate) fn for_each_body(
     work: &(dyn Fn(&mut PlacedBody, StarColumns) + Sync),
 ) {
     let stars = |body: &PlacedBody| body.stars().len();
-    let cut = if workers.count() < 2 { 0 } else { balanced_cut(bodies.iter().map(stars)) };
-    let first: usize = bodies[..cut].iter().map(stars).sum();
-    if first.min(columns.offs.len() - first) < LEAST_SHARED_STARS {
+    let Some(cut) = balanced_cut(bodies.iter().map(stars), LEAST_SHARED_STARS, workers) else {
         let mut first = 0;
         for body in bodies {
             let [_, mut left] = columns.split_at(first);
@@ -119,9 +121,9 @@ pub(crate) fn for_each_body(
             work(body, own);
         }
         return;
-    }
+    };
     let (before, after) = bodies.split_at_mut(cut);
-    let [mut own, mut others] = columns.split_at(first);
+    let [mut own, mut others] = columns.split_at(before.iter().map(stars).sum());
     workers.join(&mut || for_each_body(before, &mut own, workers, work), &mut || {
         for_each_body(after, &mut others, workers, work);
     });

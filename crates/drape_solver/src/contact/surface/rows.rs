@@ -195,8 +195,8 @@ impl Kernel for PlaceBoxes<'_> {
 /// Writes the rows of some leaves of one body.
 pub(crate) struct PlaceRows<'a> {
     pub stars: FlyingStars<'a>,
-    /// Leaves, by number in the body.
-    pub leaves: &'a [u32],
+    /// True for each leaf of the body whose rows are written.
+    pub is_needed: &'a [bool],
     pub rows: &'a mut [Row],
 }
 
@@ -205,9 +205,9 @@ impl Kernel for PlaceRows<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { stars, leaves, rows } = self;
+        let Self { stars, is_needed, rows } = self;
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
-        for leaf in leaves.iter().map(|&leaf| leaf as usize) {
+        for leaf in (0..is_needed.len()).filter(|&leaf| is_needed[leaf]) {
             stars.put(simd, leaf, &mut columns);
             scale(simd, &mut columns);
             let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
