@@ -122,7 +122,7 @@ fn run_body_stage(
             ball_cloth::put_back(ball_cloth, &mut body.particles);
             tether_pull::pull(contacts, body, substep, movers);
         }
-        BodyStage::Bends => bend::project(body, projection),
+        BodyStage::Bends => bend::project(body, projection, substep.isa),
         BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection, workers),
         BodyStage::Volume => volume::project(body),
         BodyStage::AngularMomentum => angular_momentum::restore(body),

@@ -200,7 +200,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     for (body, plan) in island.bodies.iter_mut().zip(&mut island.context.plans) {
         begin::begin_step(body, plan, island.context.order, h, substeps, iterations);
         thread_friction::follow(body, island.isa);
-        bending_friction::follow(body);
+        bending_friction::follow(body, island.isa);
     }
     for ball in &mut island.balls {
         ball.set_substep(h, environment.gravity);

@@ -19,16 +19,19 @@ pub(crate) struct Adjacency<'a> {
 }
 
 /// The index of the first element of each of `count` particles, and one more at the end, in the elements by their corners.
-fn by_corner<const N: usize>(elements: &[[u32; N]], count: usize) -> (Vec<u32>, Vec<u32>) {
+pub(crate) fn by_corner<const N: usize>(
+    elements: impl ExactSizeIterator<Item = [u32; N]> + Clone,
+    count: usize,
+) -> (Vec<u32>, Vec<u32>) {
     let mut first = vec![0; count + 1];
-    elements.as_flattened().iter().for_each(|&corner| first[corner as usize + 1] += 1);
+    elements.clone().flatten().for_each(|corner| first[corner as usize + 1] += 1);
     for particle in 0..count {
         first[particle + 1] += first[particle];
     }
     let mut next = first.clone();
     let mut around = vec![0; N * elements.len()];
     for (element, corners) in (0..).zip(elements) {
-        for &corner in corners {
+        for corner in corners {
             around[next[corner as usize] as usize] = element;
             next[corner as usize] += 1;
         }
@@ -44,8 +47,11 @@ impl<'a> Adjacency<'a> {
     /// That of a topology with these faces in place of its own.
     pub fn of(topology: &'a Topology, faces: &'a [[u32; 3]]) -> Self {
         let count = topology.particle_count();
-        let (first, around) =
-            if faces.is_empty() { by_corner(&topology.segments, count) } else { by_corner(faces, count) };
+        let (first, around) = if faces.is_empty() {
+            by_corner(topology.segments.iter().copied(), count)
+        } else {
+            by_corner(faces.iter().copied(), count)
+        };
         Self { topology, faces, first, around }
     }
 

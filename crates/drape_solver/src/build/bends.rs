@@ -12,9 +12,13 @@
 
 use glam::DVec3;
 
+use crate::build::adjacency::by_corner;
 use crate::build::mesh::surface::{opposite, sides, unordered};
+use crate::simd::columns::LANES;
 use crate::state::bending_friction::{BendingFriction, Slip};
-use crate::state::bends::{BendingRigidity, Bends, BentGrid, BentThreads, ListedBend, is_at_edge};
+use crate::state::bends::{
+    BendEntry, BendMatrix, BendingRigidity, Bends, BentGrid, BentThreads, ListedBend, is_at_edge,
+};
 use crate::state::grid::GridBatch;
 use crate::state::layout::Layout;
 use crate::state::topology::{BatchSticks, StickKind, Topology};
@@ -46,6 +50,7 @@ impl Bends {
             (Layout::Torn(torn), None) => bends.add_torn_grid(topology, torn),
             _ => bends.add_faces(topology),
         }
+        bends.matrix = BendMatrix::new(&bends.listed, topology.layout.cells() * LANES);
         bends.have_rests = bends.listed.iter().any(|bend| bend.rest != 0.0 || bend.slip.is_some());
         bends
     }
@@ -155,6 +160,45 @@ impl Bends {
         }
         // In the order of memory.
         self.listed.sort_by_key(|bend| bend.slots);
+    }
+}
+
+impl BendMatrix {
+    /// That of some bends between this number of slots.
+    fn new(bends: &[ListedBend], slots: usize) -> Self {
+        let mut matrix = Self::default();
+        if bends.is_empty() {
+            return matrix;
+        }
+        let (first, around) = by_corner(bends.iter().map(|bend| bend.slots), slots);
+        matrix.starts.push(0);
+        // The stiffness between a particle and each of those near it, and where it is in the list.
+        let mut near: Vec<(u32, f64)> = Vec::new();
+        let mut index_of = vec![u32::MAX; slots];
+        for slot in 0..slots {
+            let own = &around[first[slot] as usize..first[slot + 1] as usize];
+            // A particle may be in two corners of a bend.
+            for bend in own.chunk_by(|p, q| p == q) {
+                let ListedBend { slots, weights, stiffness, .. } = bends[bend[0] as usize];
+                let corners = || slots.into_iter().zip(weights).filter(|corner| corner.1 != 0.0);
+                let Some((_, own)) = corners().find(|corner| corner.0 as usize == slot) else { continue };
+                for (other, weight) in corners().filter(|corner| corner.0 as usize != slot) {
+                    let joined = f64::from(own) * f64::from(weight) * f64::from(stiffness);
+                    let index = &mut index_of[other as usize];
+                    if *index == u32::MAX {
+                        *index = near.len() as u32;
+                        near.push((other, 0.0));
+                    }
+                    near[*index as usize].1 += joined;
+                }
+            }
+            matrix.entries.extend(
+                near.iter().map(|&(other, joined)| BendEntry { row: 4 * other, stiffness: joined as f32 }),
+            );
+            matrix.starts.push(matrix.entries.len() as u32);
+            near.drain(..).for_each(|(other, _)| index_of[other as usize] = u32::MAX);
+        }
+        matrix
     }
 }
 

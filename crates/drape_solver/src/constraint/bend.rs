@@ -15,117 +15,239 @@
 //!
 //! Design: `docs/design/bending.md`.
 
-use glam::{Vec3, Vec4};
+use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
+use glam::Vec3;
 
 use crate::constants::ALONG_ONE_LINE;
-use crate::constraint::bending_friction::{self, places};
+use crate::constraint::bending_friction;
+use crate::constraint::listed_bend::{BendGroup, PlacedBends, for_each_group, number_of};
 use crate::simd::columns::{Cell, LANES};
-use crate::state::bends::{BendScratch, ListedBend};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::{Lanes3, load};
+use crate::simd::rows::{Rows, Window, lanes_of_rows, rows_of_columns};
+use crate::state::bends::{BendScratch, Bends};
 use crate::state::body::Body;
 
 /// The greatest number of iterations of a solve.
 const MOST_ITERATIONS: usize = 16;
 
 /// A solve ends when the squared residual is this part of that at the start.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f32 = 1e-6;
 
 /// One implicit step of all listed bends of a body, in iteration `projection` of the substep.
-pub(crate) fn project(body: &mut Body, projection: u32) {
+pub(crate) fn project(body: &mut Body, projection: u32, isa: Isa) {
     let Body { particles, topology, settings, context, .. } = body;
-    let bends = &*topology.bends.listed;
-    if bends.is_empty() || projection + 1 != settings.iterations {
+    if topology.bends.listed.is_empty() || projection + 1 != settings.iterations {
         return;
     }
-    let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
-    let position = &mut particles.position.cells;
-    solve(position, inverse_mass, bends, context.compliance_scale, &mut context.bends);
-    bending_friction::follow(body);
-}
-
-/// One implicit step of all `bends` of a body. `scale` is one over the square of the substep, in 1/s^2.
-fn solve(
-    position: &mut [Cell],
-    inverse_mass: &[[f32; LANES]],
-    bends: &[ListedBend],
-    scale: f32,
-    scratch: &mut BendScratch,
-) {
-    let BendScratch { residual, pull, direction, image, listed_rests, .. } = scratch;
-    let weight = |slot: usize| inverse_mass[slot / LANES][slot % LANES];
-    residual.fill(Vec4::ZERO);
-    add_forces(residual, bends, scale, |index, bend| {
-        let sum = bend.sum(places(position, bend));
-        let rest = listed_rests.get(index).map_or(Vec3::ZERO, |&rest| turned(sum, rest));
-        (rest - sum).extend(0.0)
+    let BendScratch { places, residual, pull, direction, image, listed_rests, .. } = &mut context.bends;
+    isa.run(Solve {
+        bends: &topology.bends,
+        rests: listed_rests,
+        substep_squared: 1.0 / context.compliance_scale,
+        position: &mut particles.position.cells,
+        inverse_mass: particles.inverse_mass.as_chunks().0,
+        places,
+        residual,
+        pull,
+        direction,
+        image,
     });
-    pull.copy_from_slice(residual);
-    let mut norm: f64 =
-        residual.iter().enumerate().map(|(slot, &r)| dot(r, r) * f64::from(weight(slot))).sum();
-    let enough = norm * TOLERANCE;
-    for _ in 0..MOST_ITERATIONS {
-        if norm <= enough {
-            break;
-        }
-        for (slot, direction) in direction.iter_mut().enumerate() {
-            *direction = pull[slot] * weight(slot);
-        }
-        image.copy_from_slice(pull);
-        add_forces(image, bends, scale, |_, bend| bend.sum(bend.slots.map(|slot| direction[slot as usize])));
-        let curvature: f64 = direction.iter().zip(&*image).map(|(&p, &q)| dot(p, q)).sum();
-        if !(curvature > 0.0 && curvature.is_finite()) {
-            break;
-        }
-        let step = (norm / curvature) as f32;
-        let mut left = 0.0;
-        for slot in 0..residual.len() {
-            let (cell, lane) = (slot / LANES, slot % LANES);
-            let moved = direction[slot] * step;
-            if moved != Vec4::ZERO {
-                let place = position[cell].get(lane);
-                position[cell].set(lane, place + moved.truncate());
+    bending_friction::follow(body, isa);
+}
+
+/// A solve: what it reads and writes. All rows are of the whole body; their fourth numbers are zero, but for those of `places`.
+struct Solve<'a> {
+    bends: &'a Bends,
+    /// The weighted sums at rest of the listed bends; empty if all are zero.
+    rests: &'a [[f32; 4]],
+    /// In s^2: forces times this are in kg m.
+    substep_squared: f32,
+    position: &'a mut [Cell],
+    inverse_mass: &'a [[f32; LANES]],
+    places: &'a mut Rows,
+    residual: &'a mut Rows,
+    /// The direction, times the masses.
+    pull: &'a mut Rows,
+    direction: &'a mut Rows,
+    /// The matrix times the direction.
+    image: &'a mut Rows,
+}
+
+impl Kernel for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        self.begin(simd);
+        let mut norm_before = f32::INFINITY;
+        let enough = TOLERANCE * self.norm(simd);
+        for _ in 0..MOST_ITERATIONS {
+            let norm = self.norm(simd);
+            if norm <= enough {
+                break;
             }
-            residual[slot] -= image[slot] * step;
-            left += dot(residual[slot], residual[slot]) * f64::from(weight(slot));
+            self.choose_direction(simd, norm / norm_before);
+            let curvature = self.multiply(simd);
+            if !(curvature > 0.0 && curvature.is_finite()) {
+                break;
+            }
+            self.advance(simd, norm / curvature);
+            norm_before = norm;
         }
-        let part = (left / norm) as f32;
-        norm = left;
-        for (pull, &residual) in pull.iter_mut().zip(&*residual) {
-            *pull = residual + *pull * part;
-        }
+        self.places.put_back_all(simd, self.position);
     }
 }
 
-/// The `rest` of a bend, turned to its weighted `sum`: a pull along this does not turn the body, which has turned since the rest was found.
-/// As it is where the two are not nearly along one line: then the direction of the sum is noise, as in what was pressed flat.
-fn turned(sum: Vec3, rest: Vec3) -> Vec3 {
-    let (squared, of_rest, product) = (sum.length_squared(), rest.length_squared(), rest.dot(sum));
-    if product * product <= ALONG_ONE_LINE * squared * of_rest {
-        return rest;
+/// Each part is a function of its own, because the compiler would take long for one function of all.
+impl Solve<'_> {
+    /// Takes the positions, and finds the forces of the bends there.
+    fn begin<S: Simd>(&mut self, simd: S) {
+        let Self { bends, rests, places, residual, pull, substep_squared, .. } = self;
+        pull.clear();
+        residual.clear();
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                places.take_all(simd, self.position, self.inverse_mass);
+                let (rests, _) = rests.as_chunks();
+                let (places, mut residual) = (places.window(), residual.window());
+                for_each_group(
+                    &bends.listed,
+                    #[inline(always)]
+                    |index, group| {
+                        let sum = PlacedBends::load(simd, &places, group).sum();
+                        let to_rest = match rests.get(index) {
+                            Some(rests) => turned(simd, sum, lanes_of_rows(simd, rests)).minus(sum),
+                            None => Lanes3::splat(simd, Vec3::ZERO).minus(sum),
+                        };
+                        let stiffness = number_of(simd, group, |bend| bend.stiffness);
+                        add_forces(simd, &mut residual, group, to_rest.times(stiffness * *substep_squared));
+                    },
+                );
+            },
+        );
     }
+
+    /// The squared residual, each particle's times its inverse mass.
+    fn norm<S: Simd>(&self, simd: S) -> f32 {
+        let Self { residual, inverse_mass, .. } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut sum = f32x16::splat(simd, 0.0);
+                for (residual, masses) in residual.quarters().iter().zip(*inverse_mass) {
+                    let weights = rows_of_columns([load(simd, masses); 4]);
+                    for i in 0..4 {
+                        let residual = load(simd, &residual[i]);
+                        sum += residual * residual * weights[i];
+                    }
+                }
+                total(sum)
+            },
+        )
+    }
+
+    /// Goes on where the residual pulls, and by `part` of the direction before.
+    fn choose_direction<S: Simd>(&mut self, simd: S, part: f32) {
+        let Self { residual, pull, direction, inverse_mass, .. } = self;
+        let residuals = residual.quarters().iter().zip(*inverse_mass);
+        let directions = pull.quarters_mut().iter_mut().zip(direction.quarters_mut());
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for ((pull, direction), (residual, masses)) in directions.zip(residuals) {
+                    let weights = rows_of_columns([load(simd, masses); 4]);
+                    for i in 0..4 {
+                        let pulled = load(simd, &residual[i]) + load(simd, &pull[i]) * part;
+                        pull[i] = pulled.to_array();
+                        direction[i] = (pulled * weights[i]).to_array();
+                    }
+                }
+            },
+        );
+    }
+
+    /// Multiplies the matrix with the direction. Returns the product of the result with the direction.
+    fn multiply<S: Simd>(&mut self, simd: S) -> f32 {
+        let Self { bends, substep_squared, pull, direction, image, .. } = self;
+        let rows = bends.matrix.starts.windows(2);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (pull, direction, mut image) = (pull.window(), direction.window(), image.window());
+                let mut curvature = f32x4::splat(simd, 0.0);
+                for (slot, ends) in (0..).zip(rows) {
+                    let place = direction.place(4 * slot);
+                    let own = direction.get(simd, place);
+                    let mut force = f32x4::splat(simd, 0.0);
+                    // By differences, as neighbours move by nearly the same.
+                    for entry in &bends.matrix.entries[ends[0] as usize..ends[1] as usize] {
+                        let other = direction.get(simd, direction.place(entry.row));
+                        force += (other - own) * entry.stiffness;
+                    }
+                    let result = pull.get(simd, place) + force * *substep_squared;
+                    image.set(place, result);
+                    curvature += own * result;
+                }
+                let [x, y, z, _] = curvature.to_array();
+                x + y + z
+            },
+        )
+    }
+
+    /// Moves the particles by `step` times the direction.
+    fn advance<S: Simd>(&mut self, simd: S, step: f32) {
+        let Self { places, residual, direction, image, position, .. } = self;
+        let moves = places.quarters_mut().iter_mut().zip(direction.quarters());
+        let changes = residual.quarters_mut().iter_mut().zip(image.quarters());
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for ((place, direction), (residual, image)) in moves.zip(changes).take(position.len()) {
+                    for i in 0..4 {
+                        place[i] = (load(simd, &place[i]) + load(simd, &direction[i]) * step).to_array();
+                        residual[i] = (load(simd, &residual[i]) - load(simd, &image[i]) * step).to_array();
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// The `rest` of each bend, turned to its weighted `sum`: a pull along this does not turn the body, which has turned since the rest was
+/// found. As it is where the two are not nearly along one line: then the direction of the sum is noise, as in what was pressed flat.
+#[inline(always)]
+fn turned<S: Simd>(simd: S, sum: Lanes3<S>, rest: Lanes3<S>) -> Lanes3<S> {
+    let (squared, of_rest, product) = (sum.dot(sum), rest.dot(rest), rest.dot(sum));
+    let is_along = (product * product).simd_gt(squared * of_rest * ALONG_ONE_LINE);
     let size = (of_rest / squared).sqrt();
-    sum * if product >= 0.0 { size } else { -size }
+    let size = product.simd_ge(f32x16::splat(simd, 0.0)).select(size, -size);
+    sum.times(size).or(is_along, rest)
 }
 
-/// Adds to `forces` those of all bends, whose weighted sums `sum` gives.
-fn add_forces(
-    forces: &mut [Vec4],
-    bends: &[ListedBend],
-    scale: f32,
-    sum: impl Fn(usize, &ListedBend) -> Vec4,
-) {
-    let per_scale = 1.0 / scale;
-    for (index, bend) in bends.iter().enumerate() {
-        let force = sum(index, bend) * (bend.stiffness * per_scale);
+/// Adds sixteen bends' forces on their weighted sums to those on their particles.
+#[inline(always)]
+fn add_forces<S: Simd>(simd: S, forces: &mut Window, group: &BendGroup, of_bends: Lanes3<S>) {
+    let Lanes3 { x, y, z } = of_bends;
+    let mut rows = [[0.0; 4]; LANES];
+    let quarters = rows.as_flattened_mut().as_chunks_mut().0;
+    for (quarter, values) in quarters.iter_mut().zip(rows_of_columns([x, y, z, f32x16::splat(simd, 0.0)])) {
+        *quarter = values.to_array();
+    }
+    for (bend, row) in group.iter().zip(rows) {
+        let force = f32x4::load_array(simd, row);
         for (slot, weight) in bend.slots.into_iter().zip(bend.weights) {
-            forces[slot as usize] += force * weight;
+            let place = forces.place(4 * slot);
+            forces.set(place, forces.get(simd, place) + force * weight);
         }
     }
 }
 
-/// The product of the first three numbers.
-fn dot(a: Vec4, b: Vec4) -> f64 {
-    let [a, b] = [a, b].map(Vec4::as_dvec4);
-    a.x * b.x + a.y * b.y + a.z * b.z
+/// The sum of all lanes, in one order on all machines.
+#[inline(always)]
+fn total<S: Simd>(lanes: f32x16<S>) -> f32 {
+    lanes.to_array().into_iter().sum()
 }
 
 #[cfg(test)]
@@ -161,7 +283,7 @@ mod tests {
         let particles = Particles::new(Vec3::ZERO, &moved, &weights).expect("valid");
         let topology = Arc::new(builder.build().expect("valid"));
         let mut body = Body::new(particles, topology, BodySettings::default());
-        body.context.bends.reserve(body.particles.layout.cells() * LANES);
+        body.context.bends.reserve(body.particles.layout.cells());
         body.context.compliance_scale = SCALE;
         body
     }
@@ -189,7 +311,7 @@ mod tests {
         let before = places(&body);
         let start = forces(&body, &before).iter().map(|force| force.length()).fold(0.0, f32::max);
         let last = body.settings.iterations - 1;
-        project(&mut body, last);
+        project(&mut body, last, Isa::detected());
         let after = places(&body);
         let forces = forces(&body, &after);
         for (i, force) in forces.into_iter().enumerate() {
@@ -209,7 +331,7 @@ mod tests {
         let mut body = crumpled(false);
         let before = places(&body);
         let last = body.settings.iterations - 1;
-        project(&mut body, last);
+        project(&mut body, last, Isa::detected());
         let after = places(&body);
         let (mut momentum, mut angular, mut scale) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (i, (from, to)) in before.into_iter().zip(after).enumerate() {

@@ -4,53 +4,115 @@
 //!
 //! Design: `docs/design/bending.md`.
 
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::constraint::listed_bend::{PlacedBends, for_each_group, number_of};
 use crate::simd::columns::{Cell, LANES};
-use crate::state::bending_friction::Slip;
-use crate::state::bends::{Bends, ListedBend};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::{Lanes3, load};
+use crate::simd::rows::{Rows, rows_of_columns};
+use crate::state::bending_friction::{PlasticBends, Slip};
+use crate::state::bends::{BendScratch, Bends, ListedBend};
 use crate::state::body::Body;
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
 use crate::state::topology::Topology;
 
 /// Lets the friction of a body's listed bends slip, and finds their rests.
-pub(crate) fn follow(body: &mut Body) {
+pub(crate) fn follow(body: &mut Body, isa: Isa) {
     let Body { particles, topology, context, .. } = body;
-    let Bends { listed, have_rests, .. } = &topology.bends;
-    let Particles { position, plastic, layout, .. } = particles;
-    let rests = &mut context.bends.listed_rests;
-    if !have_rests {
-        rests.clear();
+    let bends = &topology.bends;
+    let BendScratch { places, listed_rests, .. } = &mut context.bends;
+    if !bends.have_rests {
+        listed_rests.clear();
         return;
     }
-    if topology.bends.has_friction() {
+    let Particles { position, inverse_mass, plastic, layout, .. } = particles;
+    if bends.has_friction() {
         if layout.is_torn() {
             plastic.reserve_threads(layout);
-        } else if plastic.edges.len() != listed.len() {
+        } else if plastic.edges.len() != bends.listed.len() {
             plastic.edges.clear();
-            plastic.edges.extend(listed.iter().map(|bend| bend.rest));
+            plastic.edges.extend(bends.listed.iter().map(|bend| bend.rest));
         }
     }
-    rests.resize(listed.len(), Vec3::ZERO);
-    for (index, (bend, at_rest)) in listed.iter().zip(rests).enumerate() {
-        if bend.rest == 0.0 && bend.slip.is_none() {
-            continue;
-        }
-        let places = places(&position.cells, bend);
-        let normal = bend.normal(places);
-        let mut rest = bend.rest;
-        if let Some(slip) = bend.slip {
-            let mut kept = bend.plastic(index, plastic);
-            // A hairpin pressed together has no front: what it has kept stays.
-            if normal != Vec3::ZERO {
-                kept = slip.follow(kept, bend.sum(places).dot(normal));
-                bend.set_plastic(index, plastic, kept);
-            }
-            rest = Slip::rest(rest, kept);
-        }
-        *at_rest = normal * rest;
+    listed_rests.resize(bends.listed.len().next_multiple_of(LANES), [0.0; 4]);
+    isa.run(Follow {
+        bends,
+        position: &position.cells,
+        inverse_mass: inverse_mass.as_chunks().0,
+        places,
+        plastic,
+        rests: listed_rests.as_chunks_mut().0,
+    });
+}
+
+/// All listed bends of a body.
+struct Follow<'a> {
+    bends: &'a Bends,
+    position: &'a [Cell],
+    inverse_mass: &'a [[f32; LANES]],
+    places: &'a mut Rows,
+    plastic: &'a mut PlasticBends,
+    rests: &'a mut [[[f32; 4]; LANES]],
+}
+
+impl Kernel for Follow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { bends: Bends { listed, .. }, position, inverse_mass, places, plastic, rests } = self;
+        places.take_all(simd, position, inverse_mass);
+        let places = places.window();
+        let are_threads = listed.iter().any(|bend| bend.thread.is_some());
+        for_each_group(
+            listed,
+            #[inline(always)]
+            |index, group| {
+                let bends = PlacedBends::load(simd, &places, group);
+                let (normal, is_normal) = bends.normal(simd, are_threads);
+                let at_rest = number_of(simd, group, |bend| bend.rest);
+                // Bends without friction have no reach.
+                let reach = number_of(simd, group, |bend| bend.slip.map_or(-1.0, |slip| slip.reach));
+                let has_friction = reach.simd_gt(f32x16::splat(simd, 0.0));
+                let mut rest = at_rest;
+                if has_friction.any_true() {
+                    let end = listed.len().min((index + 1) * LANES);
+                    let mut kept = [0.0; LANES];
+                    for (i, kept) in (index * LANES..end).zip(&mut kept) {
+                        *kept = listed[i].plastic(i, plastic);
+                    }
+                    let sum = bends.sum().dot(normal);
+                    let after = followed(load(simd, &kept), sum, reach, is_normal);
+                    rest = has_friction.select(at_rest + (after - at_rest) * Slip::PLASTIC_PART, at_rest);
+                    for (i, kept) in (index * LANES..end).zip(after.to_array()) {
+                        if listed[i].slip.is_some() {
+                            listed[i].set_plastic(i, plastic, kept);
+                        }
+                    }
+                }
+                let Lanes3 { x, y, z } = normal.times(rest);
+                let rows = rows_of_columns([x, y, z, f32x16::splat(simd, 0.0)]);
+                let quarters = rests[index].as_flattened_mut().as_chunks_mut().0;
+                for (quarter, values) in quarters.iter_mut().zip(rows) {
+                    *quarter = values.to_array();
+                }
+            },
+        );
     }
+}
+
+/// The plastic sums once the weighted sums along the normals are `sum`. A hairpin pressed together has no front: what it has kept stays.
+#[inline(always)]
+pub(crate) fn followed<S: Simd>(
+    kept: f32x16<S>,
+    sum: f32x16<S>,
+    reach: f32x16<S>,
+    has_normal: mask32x16<S>,
+) -> f32x16<S> {
+    has_normal.select(kept.max(sum - reach).min(sum + reach), kept)
 }
 
 /// The positions of a bend's particles.
@@ -108,7 +170,6 @@ mod tests {
     use crate::build::cloth::{ClothBuilder, ClothMaterial};
     use crate::build::mesh::cloth::MeshClothBuilder;
     use crate::constraint::direct::thread_friction;
-    use crate::simd::isa::Isa;
     use crate::state::bending_friction::BendingFriction;
     use crate::state::bends::BendingRigidity;
     use crate::state::settings::BodySettings;
@@ -133,7 +194,8 @@ mod tests {
             let along = flat.dot(Vec3::new(1.0, -1.0, 0.0));
             body.particles.set_position(i, flat + Vec3::Z * 5.0 * along * along);
         }
-        follow(&mut body);
+        body.context.bends.reserve(body.particles.layout.cells());
+        follow(&mut body, Isa::detected());
         thread_friction::follow(&mut body, Isa::detected());
         body
     }

@@ -10,7 +10,7 @@ use crate::constraint::listed_stick::{
     BatchPass, BlockWork, ends_of_rows, finite, masses_of_eight, pairs, set_pair, sticks_of_block,
 };
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::rows::{Rows, Window, columns_of_eight, rows_of_eight};
+use crate::simd::rows::{Rows, Window, columns_of_rows, rows_of_columns};
 use crate::state::stick_list::{ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
 
@@ -93,9 +93,9 @@ fn damp_group<S: Simd>(
     let zero = f32x8::splat(simd, 0.0);
     let (p, q) = (pairs(simd, positions, a), pairs(simd, positions, b));
     let (of_p, of_q) = (pairs(simd, displacements, a), pairs(simd, displacements, b));
-    let [x, y, z, _] = columns_of_eight([q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]]);
+    let [x, y, z, _] = columns_of_rows([q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]]);
     let parting = [of_q[0] - of_p[0], of_q[1] - of_p[1], of_q[2] - of_p[2], of_q[3] - of_p[3]];
-    let [u, v, w, _] = columns_of_eight(parting);
+    let [u, v, w, _] = columns_of_rows(parting);
     let (wp, wq) = (masses_of_eight(simd, p), masses_of_eight(simd, q));
     let length_squared = x * x + y * y + z * z;
     let divisor = length_squared * (wp + wq);
@@ -108,9 +108,9 @@ fn damp_group<S: Simd>(
             StickBound::AtMost => strain.simd_ge(f32x8::splat(simd, -AT_BOUND)),
         };
     let scale = is_damped.select((u * x + v * y + w * z) * part / divisor, zero);
-    let (to_p, to_q) = (rows_of_eight([wp * scale; 4]), rows_of_eight([wq * scale; 4]));
+    let (to_p, to_q) = (rows_of_columns([wp * scale; 4]), rows_of_columns([wq * scale; 4]));
     // The fourth numbers, inverse masses, do not matter in rows of displacements.
-    let delta = rows_of_eight([x, y, z, zero]);
+    let delta = rows_of_columns([x, y, z, zero]);
     for i in 0..4 {
         set_pair(displacements, a, i, of_p[i] + delta[i] * to_p[i]);
         set_pair(displacements, b, i, of_q[i] - delta[i] * to_q[i]);

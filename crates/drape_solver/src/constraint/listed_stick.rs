@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use crate::constraint::projection::{OneSided, Projection};
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::rows::{Rows, Window, block_count, columns_of_eight, rows_of_eight};
+use crate::simd::rows::{Rows, Window, block_count, columns_of_rows, rows_of_columns};
 use crate::state::stick_list::{GROUP, ListedBatch, ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
 
@@ -201,7 +201,7 @@ pub(crate) fn finite(w: f32) -> f32 {
 /// The inverse masses of eight rows.
 #[inline(always)]
 pub(crate) fn masses_of_eight<S: Simd>(simd: S, rows: [f32x8<S>; 4]) -> f32x8<S> {
-    let [_, _, _, w] = columns_of_eight(rows);
+    let [_, _, _, w] = columns_of_rows(rows);
     w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, f32x8::splat(simd, 0.0))
 }
 
@@ -220,13 +220,13 @@ fn project_group<S: Simd>(
     let [a, b] = group.ends.map(|ends| ends.map(|first| window.place(first)));
     let [p, q] = [pairs(simd, window, a), pairs(simd, window, b)];
     let delta = [q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]];
-    let [x, y, z, w] = columns_of_eight(delta);
+    let [x, y, z, w] = columns_of_rows(delta);
     let rest = f32x8::load_array_ref(simd, &group.rest_lengths) * length_ratio;
     let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
     let zero = f32x8::splat(simd, 0.0);
     if w.simd_eq(zero).all_true() {
         let error = error * (stiffness * 0.5);
-        let errors = rows_of_eight([error; 4]);
+        let errors = rows_of_columns([error; 4]);
         for i in 0..4 {
             // The fourth number, the inverse mass, stays.
             let both = delta[i] * errors[i];
@@ -238,9 +238,9 @@ fn project_group<S: Simd>(
     let (wp, wq) = (masses_of_eight(simd, p), masses_of_eight(simd, q));
     // Avoids a division by zero if both ends are pinned.
     let weight = (wp + wq).max(f32x8::splat(simd, f32::MIN_POSITIVE));
-    let errors_p = rows_of_eight([error * (wp / weight * stiffness); 4]);
-    let errors_q = rows_of_eight([error * (wq / weight * stiffness); 4]);
-    let delta = rows_of_eight([x, y, z, zero]);
+    let errors_p = rows_of_columns([error * (wp / weight * stiffness); 4]);
+    let errors_q = rows_of_columns([error * (wq / weight * stiffness); 4]);
+    let delta = rows_of_columns([x, y, z, zero]);
     for i in 0..4 {
         set_pair(window, a, i, p[i] + delta[i] * errors_p[i]);
         set_pair(window, b, i, q[i] - delta[i] * errors_q[i]);

@@ -22,6 +22,7 @@ pub(crate) mod bend;
 pub(crate) mod bending_friction;
 pub(crate) mod damping;
 pub mod direct;
+pub(crate) mod listed_bend;
 pub(crate) mod listed_damping;
 pub(crate) mod listed_stick;
 pub mod motion_limit;

@@ -13,13 +13,16 @@
 
 use core::ops::Range;
 
-use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
 /// The number of particles in a block.
 pub(crate) const BLOCK: usize = 512;
+
+/// The number of blocks in a window that holds the whole body.
+pub(crate) const ALL_BLOCKS: usize = usize::MAX;
 
 /// The number of cells in a block.
 const BLOCK_CELLS: usize = BLOCK / LANES;
@@ -68,14 +71,18 @@ impl Rows {
             let Lanes3 { x, y, z } = Lanes3::load(simd, cell);
             let w = load(simd, masses);
             let w = w.simd_gt(f32x16::splat(simd, 0.0)).select(w, pinned);
-            let (low_xz, high_xz) = x.interleave(z);
-            let (low_yw, high_yw) = y.interleave(w);
-            let (first, second) = low_xz.interleave(low_yw);
-            let (third, fourth) = high_xz.interleave(high_yw);
             let quarters = rows.as_flattened_mut().as_chunks_mut::<LANES>().0;
-            for (quarter, values) in quarters.iter_mut().zip([first, second, third, fourth]) {
+            for (quarter, values) in quarters.iter_mut().zip(rows_of_columns([x, y, z, w])) {
                 *quarter = values.to_array();
             }
+        }
+    }
+
+    /// Takes all particles out of their cells, if the window holds the whole body.
+    #[inline(always)]
+    pub fn take_all<S: Simd>(&mut self, simd: S, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
+        for block in 0..block_count(position.len()) {
+            self.take(simd, block, position, inverse_mass);
         }
     }
 
@@ -85,13 +92,33 @@ impl Rows {
         let rows = self.rows[self.place(block)].as_chunks::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for (cell, rows) in position[cells].iter_mut().zip(rows) {
-            let quarters = rows.as_flattened().as_chunks::<LANES>().0;
-            let (low_xz, low_yw) = load(simd, &quarters[0]).deinterleave(load(simd, &quarters[1]));
-            let (high_xz, high_yw) = load(simd, &quarters[2]).deinterleave(load(simd, &quarters[3]));
-            let (x, z) = low_xz.deinterleave(high_xz);
-            let (y, _) = low_yw.deinterleave(high_yw);
-            Lanes3 { x, y, z }.store(cell);
+            lanes_of_rows(simd, rows).store(cell);
         }
+    }
+
+    /// Puts all positions back into their cells, if the window holds the whole body.
+    #[inline(always)]
+    pub fn put_back_all<S: Simd>(&self, simd: S, position: &mut [Cell]) {
+        for block in 0..block_count(position.len()) {
+            self.put_back(simd, block, position);
+        }
+    }
+
+    /// Makes all rows zero.
+    pub fn clear(&mut self) {
+        self.rows.fill([0.0; 4]);
+    }
+
+    /// The rows of each cell, four to an array, if the window holds the whole body.
+    #[inline(always)]
+    pub fn quarters(&self) -> &[[[f32; LANES]; 4]] {
+        self.rows.as_flattened().as_chunks().0.as_chunks().0
+    }
+
+    /// The rows of each cell, four to an array, if the window holds the whole body.
+    #[inline(always)]
+    pub fn quarters_mut(&mut self) -> &mut [[[f32; LANES]; 4]] {
+        self.rows.as_flattened_mut().as_chunks_mut().0.as_chunks_mut().0
     }
 
     /// The rows as sticks see them.
@@ -127,23 +154,33 @@ impl Window<'_> {
     }
 }
 
-/// Eight rows, two to a vector, as columns.
+/// Rows as columns: eight rows, two to a vector, or sixteen, four to a vector.
 #[inline(always)]
-pub(crate) fn columns_of_eight<S: Simd>([ab, cd, ef, gh]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+pub(crate) fn columns_of_rows<S: Simd, V: SimdBase<S>>([first, second, third, fourth]: [V; 4]) -> [V; 4] {
     // Each deinterleaving halves the distance of numbers of one column.
-    let (low_xz, low_yw) = ab.deinterleave(cd);
-    let (high_xz, high_yw) = ef.deinterleave(gh);
+    let (low_xz, low_yw) = first.deinterleave(second);
+    let (high_xz, high_yw) = third.deinterleave(fourth);
     let (x, z) = low_xz.deinterleave(high_xz);
     let (y, w) = low_yw.deinterleave(high_yw);
     [x, y, z, w]
 }
 
-/// The inverse of [`columns_of_eight`].
+/// The inverse of [`columns_of_rows`].
 #[inline(always)]
-pub(crate) fn rows_of_eight<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+pub(crate) fn rows_of_columns<S: Simd, V: SimdBase<S>>([x, y, z, w]: [V; 4]) -> [V; 4] {
     let (low_xz, high_xz) = x.interleave(z);
     let (low_yw, high_yw) = y.interleave(w);
-    let (ab, cd) = low_xz.interleave(low_yw);
-    let (ef, gh) = high_xz.interleave(high_yw);
-    [ab, cd, ef, gh]
+    let (first, second) = low_xz.interleave(low_yw);
+    let (third, fourth) = high_xz.interleave(high_yw);
+    [first, second, third, fourth]
+}
+
+/// The first three columns of sixteen rows.
+#[inline(always)]
+pub(crate) fn lanes_of_rows<S: Simd>(simd: S, rows: &[[f32; 4]; LANES]) -> Lanes3<S> {
+    let quarters = rows.as_flattened().as_chunks::<LANES>().0;
+    let [first, second, third, fourth] = [&quarters[0], &quarters[1], &quarters[2], &quarters[3]];
+    let rows = [load(simd, first), load(simd, second), load(simd, third), load(simd, fourth)];
+    let [x, y, z, _] = columns_of_rows(rows);
+    Lanes3 { x, y, z }
 }

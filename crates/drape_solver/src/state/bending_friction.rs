@@ -77,11 +77,6 @@ impl Slip {
         if slip.is_some() { alone / (1.0 + STIFFNESS) } else { alone }
     }
 
-    /// The rest of both elements.
-    pub fn rest(rest: f32, plastic: f32) -> f32 {
-        rest + (plastic - rest) * Self::PLASTIC_PART
-    }
-
     /// The plastic sum with which both elements are at rest at `sum`, or nearly, if friction cannot hold that much.
     pub fn balanced(self, rest: f32, sum: f32) -> f32 {
         self.follow(sum + (sum - rest) / STIFFNESS, sum)

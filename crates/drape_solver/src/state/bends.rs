@@ -20,10 +20,11 @@ use core::ops::{Add, Mul, Sub};
 #[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use crate::error::{BuildError, in_range};
 use crate::simd::columns::Cell;
+use crate::simd::rows::{ALL_BLOCKS, Rows};
 use crate::state::bending_friction::{BendingFriction, PlasticBends, Slip};
 
 /// Resistance to bending in N m: the moment, in newtons for each metre of width, that bends a strip to a curvature of 1/m. Zero
@@ -71,6 +72,8 @@ pub(crate) struct Bends {
     pub lines: Option<BentGrid>,
     /// Those of meshes and torn grids.
     pub listed: Vec<ListedBend>,
+    /// The stiffness of all listed bends, as it joins particles.
+    pub matrix: BendMatrix,
     /// True if listed bends have a rest that is not zero, or may get one by friction.
     pub have_rests: bool,
 }
@@ -99,8 +102,26 @@ impl BentThreads {
     }
 }
 
-/// One bend in a list.
+/// The stiffness of listed bends as a sparse matrix, row by row, without its diagonal: rows sum to zero, so that the forces follow from
+/// differences.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct BendMatrix {
+    /// Index of the first entry of each slot; one more at the end.
+    pub starts: Vec<u32>,
+    pub entries: Vec<BendEntry>,
+}
+
+/// An entry of a [`BendMatrix`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BendEntry {
+    /// Where the row of the other particle starts: four times its slot.
+    pub row: u32,
+    /// In N/m.
+    pub stiffness: f32,
+}
+
+/// One bend in a list.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ListedBend {
     /// In a bend of three particles the last is a neighbour of the second across the thread, which shows where the front is; without
     /// one it is the third once more.
@@ -117,33 +138,33 @@ pub(crate) struct ListedBend {
     pub thread: Option<u8>,
 }
 
-/// Scratch of a solve, in slots. Only its memory outlives the solve. The fourth number of each is not used.
+/// Scratch of a solve. Only the memory of its rows, which are of the whole body, outlives the solve.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BendScratch {
-    pub residual: Vec<Vec4>,
-    /// The direction, times the masses.
-    pub pull: Vec<Vec4>,
-    pub direction: Vec<Vec4>,
-    /// The matrix times the direction.
-    pub image: Vec<Vec4>,
+    pub places: Rows,
+    pub residual: Rows,
+    pub pull: Rows,
+    pub direction: Rows,
+    pub image: Rows,
     /// The weighted sums at rest of threads that friction holds, along rows and along columns, by the slot of the middle particle.
     pub rest: [Vec<Cell>; 2],
-    /// The weighted sums at rest of listed bends; empty if all are zero.
-    pub listed_rests: Vec<Vec3>,
+    /// The weighted sums at rest of listed bends, filled up to a multiple of sixteen; empty if all are zero. The fourth number is zero.
+    pub listed_rests: Vec<[f32; 4]>,
 }
 
 impl BendScratch {
-    /// Makes room for this number of slots.
-    pub fn reserve(&mut self, slots: usize) {
-        for column in [&mut self.residual, &mut self.pull, &mut self.direction, &mut self.image] {
-            column.resize(slots, Vec4::ZERO);
+    /// Makes room for this number of cells.
+    pub fn reserve(&mut self, cells: usize) {
+        let Self { places, residual, pull, direction, image, .. } = self;
+        for rows in [places, residual, pull, direction, image] {
+            rows.reset(ALL_BLOCKS, cells);
         }
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         let rest = self.rest.iter().map(|rest| size_of_val(&**rest)).sum::<usize>();
-        4 * size_of_val(&*self.residual) + rest + size_of_val(&*self.listed_rests)
+        5 * self.places.bytes() + rest + size_of_val(&*self.listed_rests)
     }
 }
 
@@ -203,6 +224,7 @@ impl Bends {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.listed)
+        let BendMatrix { starts, entries } = &self.matrix;
+        size_of_val(&*self.listed) + size_of_val(&**starts) + size_of_val(&**entries)
     }
 }

@@ -15,6 +15,7 @@ use crate::constants::MAX_TETHERS;
 use crate::simd::columns::LANES;
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
+use crate::union_find::Groups;
 
 /// The tethers of a body: up to [`MAX_TETHERS`] for each particle, in the order of their projection.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,14 +70,21 @@ impl Tethers {
     }
 
     /// Tethers along the sticks of a body of any form: `edges` are (end, end, rest length in metres). Runs
-    /// Dijkstra's algorithm from all pins at once; each particle keeps the first pins that reach it.
+    /// Dijkstra's algorithm from all pins at once; each particle keeps the first pins that reach it. Pins that edges join count as one,
+    /// as together they hold a particle no better than the nearest of them.
     pub fn geodesic(
         particle_count: usize,
         edges: impl IntoIterator<Item = (u32, u32, f32)>,
         pins: &[u32],
     ) -> Self {
+        let mut is_pin = vec![false; particle_count];
+        pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
+        let mut groups = Groups::new(particle_count);
         let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); particle_count];
         for (a, b, length) in edges {
+            if is_pin[a as usize] && is_pin[b as usize] {
+                groups.join(a, b);
+            }
             neighbours[a as usize].push((b, length));
             neighbours[b as usize].push((a, length));
         }
@@ -87,7 +95,8 @@ impl Tethers {
         }
         while let Some(Reverse(visit)) = queue.pop() {
             let known = &mut reached[visit.particle as usize];
-            if known.len() == MAX_TETHERS || known.iter().any(|&(_, pin)| pin == visit.pin) {
+            let group = groups.root(visit.pin);
+            if known.len() == MAX_TETHERS || known.iter().any(|&(_, pin)| groups.root(pin) == group) {
                 continue;
             }
             known.push((visit.distance, visit.pin));
@@ -98,7 +107,7 @@ impl Tethers {
         }
         let mut tethers = Self::default();
         for (i, known) in reached.iter().enumerate() {
-            if !pins.contains(&(i as u32)) {
+            if !is_pin[i] {
                 for &(length, pin) in known {
                     tethers.push(i as u32, pin, length);
                 }
@@ -166,6 +175,8 @@ pub(crate) enum Anchor {
     Slot(u32),
     /// In the cell's own lanes of another cell: the edge of a grid.
     Cell(u32),
+    /// In a slot for each lane: the collar of a mesh.
+    Slots([u32; LANES]),
 }
 
 impl Anchor {
@@ -174,6 +185,7 @@ impl Anchor {
         match self {
             Self::Slot(slot) => slot as usize,
             Self::Cell(cell) => cell as usize * LANES + lane,
+            Self::Slots(slots) => slots[lane] as usize,
         }
     }
 }
@@ -210,18 +222,44 @@ impl TetherPlan {
             let own = &mut places[own[0]..own[1]];
             // Stable: those of one particle stay in order.
             own.sort_by_key(|tether| tether.particle);
-            pack(own, |length, anchor| {
-                let anchor = plan.place_of(anchor);
-                plan.ties.push(Tie { length, anchor });
-            });
+            plan.pack(own);
         }
         plan.first.push(plan.ties.len() as u32);
         plan
     }
 
+    /// Packs the tethers of one cell into as few ties as their pins allow.
+    fn pack(&mut self, tethers: &[CellTether]) {
+        let of_one = tethers.chunk_by(|p, q| p.particle == q.particle).map(<[_]>::len);
+        let most_of_one = of_one.max().unwrap_or(0);
+        let (ties, anchors) = (self.ties.len(), self.anchors.len());
+        let mut left = tethers.to_vec();
+        pack_by_pins(&mut left, |length, anchor| {
+            let anchor = self.place_of(anchor);
+            self.ties.push(Tie { length, anchor });
+        });
+        if self.ties.len() - ties <= most_of_one {
+            return;
+        }
+        self.ties.truncate(ties);
+        self.anchors.truncate(anchors);
+        for rank in 0..most_of_one {
+            let (mut length, mut slots) = ([f32::INFINITY; LANES], [0; LANES]);
+            for of_one in tethers.chunk_by(|p, q| p.particle == q.particle) {
+                if let Some(&CellTether { lane, pin, length: own, .. }) = of_one.get(rank) {
+                    (length[lane as usize], slots[lane as usize]) = (own, pin);
+                }
+            }
+            self.ties.push(Tie { length, anchor: self.anchors.len() as u32 });
+            self.anchors.push(Anchor::Slots(slots));
+        }
+    }
+
     /// The index of `anchor` in the list, to which it is added if it is new.
     fn place_of(&mut self, anchor: Anchor) -> u32 {
-        let place = self.anchors.iter().position(|&known| known == anchor);
+        // Those of a slot for each lane are hardly ever the same.
+        let is_known = |&known: &Anchor| known == anchor && !matches!(anchor, Anchor::Slots(_));
+        let place = self.anchors.iter().position(is_known);
         place.unwrap_or_else(|| {
             self.anchors.push(anchor);
             self.anchors.len() - 1
@@ -283,8 +321,8 @@ struct CellTether {
     length: f32,
 }
 
-/// Packs the tethers of one cell into as few ties as their pins allow.
-fn pack(mut tethers: &mut [CellTether], mut tie: impl FnMut([f32; LANES], Anchor)) {
+/// Packs the tethers of one cell into ties of which each has one anchor for all lanes.
+fn pack_by_pins(mut tethers: &mut [CellTether], mut tie: impl FnMut([f32; LANES], Anchor)) {
     const ALL: u32 = LANES as u32;
     while let Some(&CellTether { lane, pin, .. }) = tethers.first() {
         let shares_pin = |tether: &CellTether| tether.pin == pin;

@@ -4,7 +4,6 @@
 
 use crate::constraint::damping::substep_damping;
 use crate::constraint::stick::{greatest_error, iteration_stiffness};
-use crate::simd::columns::LANES;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
@@ -41,7 +40,7 @@ pub(crate) fn begin_step(
         materials.clone().map(|m| iteration_stiffness(m.stiffness, effective_substep, settings.iterations)),
     );
     if !topology.bends.listed.is_empty() {
-        context.bends.reserve(particles.layout.cells() * LANES);
+        context.bends.reserve(particles.layout.cells());
     }
     context.compliance_scale = 1.0 / (effective_substep * effective_substep);
     context.damping.clear();

@@ -13,6 +13,7 @@
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::constraint::bending_friction::followed;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::{Lanes3, load};
@@ -145,9 +146,7 @@ impl Follow<'_> {
         let sum = start.minus(middle).plus(end.minus(middle)).dot(normal);
         let plastic = &mut self.plastic[direction][cell];
         let reach = f32x16::splat(simd, slip.reach);
-        let kept = load(simd, plastic);
-        // A hairpin pressed together has no front: what it has kept stays.
-        let followed = has_normal.select(kept.max(sum - reach).min(sum + reach), kept);
+        let followed = followed(load(simd, plastic), sum, reach, has_normal);
         let followed = exists.select(followed, f32x16::splat(simd, 0.0));
         *plastic = followed.to_array();
         normal.times(followed * Slip::PLASTIC_PART).store(&mut self.rest[direction][cell]);
