@@ -171,6 +171,7 @@ impl BendMatrix {
             return matrix;
         }
         let (first, around) = by_corner(bends.iter().map(|bend| bend.slots), slots);
+        matrix.starts.reserve(slots + 1);
         matrix.starts.push(0);
         // The stiffness between a particle and each of those near it, and where it is in the list.
         let mut near: Vec<(u32, f64)> = Vec::new();
@@ -179,11 +180,14 @@ impl BendMatrix {
             let own = &around[first[slot] as usize..first[slot + 1] as usize];
             // A particle may be in two corners of a bend.
             for bend in own.chunk_by(|p, q| p == q) {
-                let ListedBend { slots, weights, stiffness, .. } = bends[bend[0] as usize];
-                let corners = || slots.into_iter().zip(weights).filter(|corner| corner.1 != 0.0);
-                let Some((_, own)) = corners().find(|corner| corner.0 as usize == slot) else { continue };
-                for (other, weight) in corners().filter(|corner| corner.0 as usize != slot) {
-                    let joined = f64::from(own) * f64::from(weight) * f64::from(stiffness);
+                let ListedBend { slots, weights, stiffness, .. } = &bends[bend[0] as usize];
+                let Some(own) = (0..4).find(|&i| slots[i] as usize == slot) else { continue };
+                let pull = f64::from(weights[own]) * f64::from(*stiffness);
+                for i in (0..4).filter(|&i| slots[i] as usize != slot) {
+                    let (other, joined) = (slots[i], pull * f64::from(weights[i]));
+                    if joined == 0.0 {
+                        continue;
+                    }
                     let index = &mut index_of[other as usize];
                     if *index == u32::MAX {
                         *index = near.len() as u32;
