@@ -296,6 +296,35 @@ mod tests {
         }
     }
 
+    /// Also of a thread without a neighbour, whose last particle is in two corners.
+    #[test]
+    fn the_matrix_has_the_forces_of_all_bends() {
+        let bend =
+            |slots, weights, stiffness| ListedBend { slots, weights, stiffness, ..ListedBend::default() };
+        let bends = [
+            bend([0, 1, 2, 2], [1.0, -2.0, 1.0, 0.0], 3.0),
+            bend([1, 2, 3, 0], [1.0, -2.0, 1.0, 0.0], 0.5),
+            bend([4, 2, 0, 3], [1.25, 0.5, -0.75, -1.0], 2.0),
+        ];
+        let ways: [f32; 6] = [0.5, -1.0, 2.0, 0.25, -3.0, 9.0];
+        let matrix = BendMatrix::new(&bends, ways.len());
+        for (slot, ends) in matrix.starts.windows(2).enumerate() {
+            let entries = &matrix.entries[ends[0] as usize..ends[1] as usize];
+            let found: f32 = entries
+                .iter()
+                .map(|entry| entry.stiffness * (ways[entry.row as usize / 4] - ways[slot]))
+                .sum();
+            let mut expected = 0.0;
+            for ListedBend { slots, weights, stiffness, .. } in bends {
+                let sum: f32 =
+                    slots.iter().zip(weights).map(|(&other, weight)| ways[other as usize] * weight).sum();
+                let own = slots.iter().zip(weights).filter(|own| *own.0 as usize == slot);
+                expected += own.map(|(_, weight)| weight * stiffness * sum).sum::<f32>();
+            }
+            assert!((found - expected).abs() < 1e-5, "slot {slot}: {found}, not {expected}");
+        }
+    }
+
     #[test]
     fn flat_triangles_have_no_rest_and_curved_ones_a_sign() {
         let corners = |height: f64| {

@@ -289,6 +289,23 @@ impl TopologyBuilder {
     /// # Errors
     /// As [`tethers`](Self::tethers).
     pub fn straight_tethers(&mut self, pins: &[u32]) -> Result<&mut Self, BuildError> {
+        let grouped = self.grouped(pins)?;
+        let tethers = Tethers::straight_by_groups(&self.rest, &grouped);
+        self.tethers(tethers)
+    }
+
+    /// The same along the sticks so far, for bodies of any form.
+    ///
+    /// # Errors
+    /// As [`tethers`](Self::tethers).
+    pub fn geodesic_tethers(&mut self, pins: &[u32]) -> Result<&mut Self, BuildError> {
+        let grouped = self.grouped(pins)?;
+        let tethers = Tethers::geodesic_by_groups(self.rest.len(), self.edges(), &grouped);
+        self.tethers(tethers)
+    }
+
+    /// The pins in order, each with its group: pins that sticks join to each other form one.
+    fn grouped(&self, pins: &[u32]) -> Result<Vec<(u32, u32)>, BuildError> {
         for &pin in pins {
             self.check_index("a pin", pin)?;
         }
@@ -301,8 +318,7 @@ impl TopologyBuilder {
         let mut grouped: Vec<(u32, u32)> = pins.iter().map(|&pin| (pin, groups.root(pin))).collect();
         grouped.sort_unstable();
         grouped.dedup();
-        let tethers = Tethers::straight_by_groups(&self.rest, &grouped);
-        self.tethers(tethers)
+        Ok(grouped)
     }
 
     /// The sticks so far that limit the distance of their ends, with their rest lengths in metres. Geodesic tethers run along

@@ -24,7 +24,7 @@ use crate::constraint::listed_bend::{BendGroup, PlacedBends, for_each_group, num
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::{Lanes3, load};
-use crate::simd::rows::{Rows, Window, lanes_of_rows, rows_of_columns};
+use crate::simd::rows::{Rows, Window, lanes_of_rows, rows_of_columns, store_rows};
 use crate::state::bends::{BendScratch, Bends};
 use crate::state::body::Body;
 
@@ -80,20 +80,22 @@ impl Kernel for Solve<'_> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
         self.begin(simd);
-        let mut norm_before = f32::INFINITY;
-        let enough = TOLERANCE * self.norm(simd);
+        let mut norm = self.norm(simd);
+        let enough = TOLERANCE * norm;
+        let mut part = 0.0;
         for _ in 0..MOST_ITERATIONS {
-            let norm = self.norm(simd);
             if norm <= enough {
                 break;
             }
-            self.choose_direction(simd, norm / norm_before);
+            self.choose_direction(simd, part);
             let curvature = self.multiply(simd);
             if !(curvature > 0.0 && curvature.is_finite()) {
                 break;
             }
             self.advance(simd, norm / curvature);
-            norm_before = norm;
+            let left = self.norm(simd);
+            part = left / norm;
+            norm = left;
         }
         self.places.put_back_all(simd, self.position);
     }
@@ -140,7 +142,8 @@ impl Solve<'_> {
                     let weights = rows_of_columns([load(simd, masses); 4]);
                     for i in 0..4 {
                         let residual = load(simd, &residual[i]);
-                        sum += residual * residual * weights[i];
+                        // In this order squares of small masses do not vanish.
+                        sum += residual * (residual * weights[i]);
                     }
                 }
                 total(sum)
@@ -180,13 +183,13 @@ impl Solve<'_> {
                 for (slot, ends) in (0..).zip(rows) {
                     let place = direction.place(4 * slot);
                     let own = direction.get(simd, place);
-                    let mut force = f32x4::splat(simd, 0.0);
+                    let mut product = f32x4::splat(simd, 0.0);
                     // By differences, as neighbours move by nearly the same.
                     for entry in &bends.matrix.entries[ends[0] as usize..ends[1] as usize] {
                         let other = direction.get(simd, direction.place(entry.row));
-                        force += (other - own) * entry.stiffness;
+                        product += (other - own) * entry.stiffness;
                     }
-                    let result = pull.get(simd, place) + force * *substep_squared;
+                    let result = pull.get(simd, place) + product * *substep_squared;
                     image.set(place, result);
                     curvature += own * result;
                 }
@@ -228,13 +231,10 @@ fn turned<S: Simd>(simd: S, sum: Lanes3<S>, rest: Lanes3<S>) -> Lanes3<S> {
 
 /// Adds sixteen bends' forces on their weighted sums to those on their particles.
 #[inline(always)]
-fn add_forces<S: Simd>(simd: S, forces: &mut Window, group: &BendGroup, of_bends: Lanes3<S>) {
-    let Lanes3 { x, y, z } = of_bends;
+fn add_forces<S: Simd>(simd: S, forces: &mut Window, group: &BendGroup, force: Lanes3<S>) {
+    let Lanes3 { x, y, z } = force;
     let mut rows = [[0.0; 4]; LANES];
-    let quarters = rows.as_flattened_mut().as_chunks_mut().0;
-    for (quarter, values) in quarters.iter_mut().zip(rows_of_columns([x, y, z, f32x16::splat(simd, 0.0)])) {
-        *quarter = values.to_array();
-    }
+    store_rows(&mut rows, [x, y, z, f32x16::splat(simd, 0.0)]);
     for (bend, row) in group.iter().zip(rows) {
         let force = f32x4::load_array(simd, row);
         for (slot, weight) in bend.slots.into_iter().zip(bend.weights) {

@@ -11,7 +11,7 @@ use crate::constraint::listed_bend::{PlacedBends, for_each_group, number_of};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::{Lanes3, load};
-use crate::simd::rows::{Rows, rows_of_columns};
+use crate::simd::rows::{Rows, store_rows};
 use crate::state::bending_friction::{PlasticBends, Slip};
 use crate::state::bends::{BendScratch, Bends, ListedBend};
 use crate::state::body::Body;
@@ -66,7 +66,8 @@ impl Kernel for Follow<'_> {
         let Self { bends: Bends { listed, .. }, position, inverse_mass, places, plastic, rests } = self;
         places.take_all(simd, position, inverse_mass);
         let places = places.window();
-        let are_threads = listed.iter().any(|bend| bend.thread.is_some());
+        // A list has bends of one kind.
+        let are_threads = listed.first().is_some_and(|bend| bend.thread.is_some());
         for_each_group(
             listed,
             #[inline(always)]
@@ -74,8 +75,7 @@ impl Kernel for Follow<'_> {
                 let bends = PlacedBends::load(simd, &places, group);
                 let (normal, is_normal) = bends.normal(simd, are_threads);
                 let at_rest = number_of(simd, group, |bend| bend.rest);
-                // Bends without friction have no reach.
-                let reach = number_of(simd, group, |bend| bend.slip.map_or(-1.0, |slip| slip.reach));
+                let reach = number_of(simd, group, |bend| bend.slip.map_or(0.0, |slip| slip.reach));
                 let has_friction = reach.simd_gt(f32x16::splat(simd, 0.0));
                 let mut rest = at_rest;
                 if has_friction.any_true() {
@@ -94,11 +94,7 @@ impl Kernel for Follow<'_> {
                     }
                 }
                 let Lanes3 { x, y, z } = normal.times(rest);
-                let rows = rows_of_columns([x, y, z, f32x16::splat(simd, 0.0)]);
-                let quarters = rests[index].as_flattened_mut().as_chunks_mut().0;
-                for (quarter, values) in quarters.iter_mut().zip(rows) {
-                    *quarter = values.to_array();
-                }
+                store_rows(&mut rests[index], [x, y, z, f32x16::splat(simd, 0.0)]);
             },
         );
     }

@@ -91,6 +91,7 @@ mod tests {
     use crate::state::layout::Layout;
     use crate::state::settings::BodySettings;
     use crate::state::tethers::Tethers;
+    use crate::state::topology::{StickKind, StickMaterial};
     use crate::substep::order::BodyStage;
     use crate::substep::testing::run_stages;
 
@@ -106,26 +107,31 @@ mod tests {
     #[test]
     fn each_particle_keeps_its_nearest_pins() {
         let rest: Vec<Vec3> = (0..20).map(|i| Vec3::X * i as f32).collect();
-        let pins = [0, 2, 4, 6, 8, 10];
+        let pins = [0, 1, 2, 3, 4, 5];
         let straight = Tethers::straight(&rest, &pins);
         let edges = (0..19).map(|i| (i, i + 1, 1.0));
         assert_eq!(straight, Tethers::geodesic(20, edges, &pins));
         let of_last: Vec<u32> = straight.iter().filter(|t| t.0 == 19).map(|(_, pin, _)| pin).collect();
-        assert_eq!(of_last, [10, 8, 6, 4]);
+        assert_eq!(of_last, [5, 4, 3, 2]);
     }
 
-    /// The pins of one shoulder are not held by each other's tethers, and leave room for those of the other.
+    /// The pins of one shoulder take one tether, and leave room for those of the other.
     #[test]
-    fn pins_that_edges_join_count_as_one() {
-        let edges = (0..19).map(|i| (i, i + 1, 1.0));
-        let tethers = Tethers::geodesic(20, edges, &[0, 1, 2, 3, 4, 18, 19]);
-        let of_ten: Vec<u32> = tethers.iter().filter(|t| t.0 == 10).map(|(_, pin, _)| pin).collect();
+    fn pins_that_sticks_join_count_as_one() {
+        let rest: Vec<Vec3> = (0..20).map(|i| Vec3::X * i as f32).collect();
+        let mut builder = TopologyBuilder::new(&rest);
+        builder
+            .family(StickMaterial::rigid(StickKind::Structural), (0..19).map(|i| [i, i + 1]))
+            .expect("valid");
+        builder.geodesic_tethers(&[0, 1, 2, 3, 4, 18, 19]).expect("valid");
+        let tethers = builder.build().expect("valid").tethers();
+        let of_ten: Vec<u32> = tethers.iter().filter(|t| t.0 == 10).map(|&(_, pin, _)| pin).collect();
         assert_eq!(of_ten, [4, 18]);
     }
 
     /// However many pins there are: a tie is tested for all lanes of a cell.
     #[test]
-    fn a_cell_has_no_more_ties_than_a_particle_has_tethers() {
+    fn a_cell_of_many_pins_has_as_many_ties_as_its_particles_have_tethers() {
         let pin = |i: u32, rank: u32| 16 + (5 * i + 7 * rank + 3 * i * rank) % 32;
         let list = (0..16).flat_map(|i| (0..2).map(move |rank| (i, pin(i, rank), 1.0 + rank as f32)));
         let plan = TetherPlan::new(&Tethers::from_list(list.clone()), &Layout::Linear { count: 48 });
@@ -155,9 +161,7 @@ mod tests {
     fn of_an_edge_of_pins_the_nearest_alone_holds() {
         let rest: Vec<Vec3> = (0..12).map(|i| Vec3::new((i % 4) as f32, (i / 4) as f32, 0.0)).collect();
         let mut builder = TopologyBuilder::grid(&rest, 4, 3).expect("a grid");
-        let material =
-            crate::state::topology::StickMaterial::rigid(crate::state::topology::StickKind::Structural);
-        builder.grid_family(material, [1, 0]).expect("valid");
+        builder.grid_family(StickMaterial::rigid(StickKind::Structural), [1, 0]).expect("valid");
         builder.straight_tethers(&[0, 1, 3]).expect("valid");
         let topology = builder.build().expect("valid");
         let of_nine: Vec<_> = topology.tethers().into_iter().filter(|tether| tether.0 == 9).collect();

@@ -1,8 +1,8 @@
-//! Rows: positions and inverse masses as [x, y, z, w], one particle a row, while listed sticks are relaxed.
+//! Rows: positions and inverse masses as [x, y, z, w], one particle a row, while listed sticks are relaxed and listed bends solved.
 //!
 //! A stick of no particular pattern takes its ends from anywhere. In a cell, an end lies in three lines of the cache,
-//! number by number; as a row, it is loaded and stored at once. Only a window of the body is kept as rows: the *blocks*
-//! of particles that the sweep of [`listed`](crate::constraint::listed_stick) is at work on.
+//! number by number; as a row, it is loaded and stored at once. Of sticks only a window of the body is kept as rows: the *blocks*
+//! of particles that the sweep of [`listed`](crate::constraint::listed_stick) is at work on. Bends keep the whole body.
 //!
 //! ```text
 //!   cells  | block 0 | block 1 | block 2 | block 3 | block 4 | ...
@@ -28,6 +28,7 @@ pub(crate) const ALL_BLOCKS: usize = usize::MAX;
 const BLOCK_CELLS: usize = BLOCK / LANES;
 
 /// The number of blocks that `cells` cells fill.
+#[inline(always)]
 pub(crate) fn block_count(cells: usize) -> usize {
     cells.div_ceil(BLOCK_CELLS)
 }
@@ -71,10 +72,7 @@ impl Rows {
             let Lanes3 { x, y, z } = Lanes3::load(simd, cell);
             let w = load(simd, masses);
             let w = w.simd_gt(f32x16::splat(simd, 0.0)).select(w, pinned);
-            let quarters = rows.as_flattened_mut().as_chunks_mut::<LANES>().0;
-            for (quarter, values) in quarters.iter_mut().zip(rows_of_columns([x, y, z, w])) {
-                *quarter = values.to_array();
-            }
+            store_rows(rows, [x, y, z, w]);
         }
     }
 
@@ -105,23 +103,24 @@ impl Rows {
     }
 
     /// Makes all rows zero.
+    #[inline(always)]
     pub fn clear(&mut self) {
         self.rows.fill([0.0; 4]);
     }
 
-    /// The rows of each cell, four to an array, if the window holds the whole body.
+    /// The rows of each cell, four to an array, if the window holds the whole body; behind them rows of no particle may follow.
     #[inline(always)]
     pub fn quarters(&self) -> &[[[f32; LANES]; 4]] {
         self.rows.as_flattened().as_chunks().0.as_chunks().0
     }
 
-    /// The rows of each cell, four to an array, if the window holds the whole body.
+    /// The same, to be changed.
     #[inline(always)]
     pub fn quarters_mut(&mut self) -> &mut [[[f32; LANES]; 4]] {
         self.rows.as_flattened_mut().as_chunks_mut().0.as_chunks_mut().0
     }
 
-    /// The rows as sticks see them.
+    /// The rows by the places of particles.
     #[inline(always)]
     pub fn window(&mut self) -> Window<'_> {
         // Lets the compiler see that no place lies outside.
@@ -173,6 +172,15 @@ pub(crate) fn rows_of_columns<S: Simd, V: SimdBase<S>>([x, y, z, w]: [V; 4]) -> 
     let (first, second) = low_xz.interleave(low_yw);
     let (third, fourth) = high_xz.interleave(high_yw);
     [first, second, third, fourth]
+}
+
+/// Stores sixteen rows, given as columns.
+#[inline(always)]
+pub(crate) fn store_rows<S: Simd>(rows: &mut [[f32; 4]; LANES], columns: [f32x16<S>; 4]) {
+    let quarters = rows.as_flattened_mut().as_chunks_mut::<LANES>().0;
+    for (quarter, values) in quarters.iter_mut().zip(rows_of_columns(columns)) {
+        *quarter = values.to_array();
+    }
 }
 
 /// The first three columns of sixteen rows.

@@ -200,6 +200,7 @@ impl ListedBend {
     }
 
     /// Its plastic sum; `index` is its place in the list.
+    #[inline(always)]
     pub fn plastic(&self, index: usize, plastic: &PlasticBends) -> f32 {
         match self.thread {
             Some(direction) => plastic.threads[usize::from(direction)][self.slots[1] as usize],
@@ -208,6 +209,7 @@ impl ListedBend {
     }
 
     /// Sets its plastic sum.
+    #[inline(always)]
     pub fn set_plastic(&self, index: usize, plastic: &mut PlasticBends, sum: f32) {
         match self.thread {
             Some(direction) => plastic.threads[usize::from(direction)][self.slots[1] as usize] = sum,

@@ -15,7 +15,6 @@ use crate::constants::MAX_TETHERS;
 use crate::simd::columns::LANES;
 use crate::state::layout::Layout;
 use crate::state::particles::Particles;
-use crate::union_find::Groups;
 
 /// The tethers of a body: up to [`MAX_TETHERS`] for each particle, in the order of their projection.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,33 +69,38 @@ impl Tethers {
     }
 
     /// Tethers along the sticks of a body of any form: `edges` are (end, end, rest length in metres). Runs
-    /// Dijkstra's algorithm from all pins at once; each particle keeps the first pins that reach it. Pins that edges join count as one,
-    /// as together they hold a particle no better than the nearest of them.
+    /// Dijkstra's algorithm from all pins at once; each particle keeps the first pins that reach it.
     pub fn geodesic(
         particle_count: usize,
         edges: impl IntoIterator<Item = (u32, u32, f32)>,
         pins: &[u32],
     ) -> Self {
-        let mut is_pin = vec![false; particle_count];
-        pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
-        let mut groups = Groups::new(particle_count);
+        let pins: Vec<_> = pins.iter().map(|&pin| (pin, pin)).collect();
+        Self::geodesic_by_groups(particle_count, edges, &pins)
+    }
+
+    /// The same for pins in groups, as (pin, group): a particle is tethered to the pin of each group that reaches it first.
+    pub fn geodesic_by_groups(
+        particle_count: usize,
+        edges: impl IntoIterator<Item = (u32, u32, f32)>,
+        pins: &[(u32, u32)],
+    ) -> Self {
+        let mut group_of = vec![None; particle_count];
+        pins.iter().for_each(|&(pin, group)| group_of[pin as usize] = Some(group));
         let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); particle_count];
         for (a, b, length) in edges {
-            if is_pin[a as usize] && is_pin[b as usize] {
-                groups.join(a, b);
-            }
             neighbours[a as usize].push((b, length));
             neighbours[b as usize].push((a, length));
         }
         let mut reached: Vec<Vec<(f32, u32)>> = vec![Vec::new(); particle_count];
         let mut queue: BinaryHeap<Reverse<Visit>> = BinaryHeap::new();
-        for &pin in pins {
+        for &(pin, _) in pins {
             queue.push(Reverse(Visit { distance: 0.0, particle: pin, pin }));
         }
         while let Some(Reverse(visit)) = queue.pop() {
             let known = &mut reached[visit.particle as usize];
-            let group = groups.root(visit.pin);
-            if known.len() == MAX_TETHERS || known.iter().any(|&(_, pin)| groups.root(pin) == group) {
+            let group = |pin: u32| group_of[pin as usize];
+            if known.len() == MAX_TETHERS || known.iter().any(|&(_, pin)| group(pin) == group(visit.pin)) {
                 continue;
             }
             known.push((visit.distance, visit.pin));
@@ -107,7 +111,7 @@ impl Tethers {
         }
         let mut tethers = Self::default();
         for (i, known) in reached.iter().enumerate() {
-            if !is_pin[i] {
+            if group_of[i].is_none() {
                 for &(length, pin) in known {
                     tethers.push(i as u32, pin, length);
                 }
@@ -214,8 +218,7 @@ impl TetherPlan {
             plan.first.push(plan.ties.len() as u32);
             if kept.get(cell) == Some(&true) {
                 for &Tie { length, anchor } in self.ties_of(cell) {
-                    let anchor = plan.place_of(self.anchors[anchor as usize]);
-                    plan.ties.push(Tie { length, anchor });
+                    plan.push(length, self.anchors[anchor as usize]);
                 }
                 continue;
             }
@@ -228,42 +231,38 @@ impl TetherPlan {
         plan
     }
 
-    /// Packs the tethers of one cell into as few ties as their pins allow.
+    /// Packs the tethers of one cell into ties of one anchor each, or, if that takes more than twice as many, into one tie for each of the
+    /// tethers that a particle has.
     fn pack(&mut self, tethers: &[CellTether]) {
-        let of_one = tethers.chunk_by(|p, q| p.particle == q.particle).map(<[_]>::len);
-        let most_of_one = of_one.max().unwrap_or(0);
-        let (ties, anchors) = (self.ties.len(), self.anchors.len());
-        let mut left = tethers.to_vec();
-        pack_by_pins(&mut left, |length, anchor| {
-            let anchor = self.place_of(anchor);
-            self.ties.push(Tie { length, anchor });
-        });
-        if self.ties.len() - ties <= most_of_one {
-            return;
-        }
-        self.ties.truncate(ties);
-        self.anchors.truncate(anchors);
-        for rank in 0..most_of_one {
-            let (mut length, mut slots) = ([f32::INFINITY; LANES], [0; LANES]);
-            for of_one in tethers.chunk_by(|p, q| p.particle == q.particle) {
-                if let Some(&CellTether { lane, pin, length: own, .. }) = of_one.get(rank) {
-                    (length[lane as usize], slots[lane as usize]) = (own, pin);
+        let of_particles = || tethers.chunk_by(|p, q| p.particle == q.particle);
+        let ranks = of_particles().map(<[_]>::len).max().unwrap_or(0);
+        let mut ties = pack_by_pins(tethers.to_vec());
+        if ties.len() > 2 * ranks {
+            ties.clear();
+            for rank in 0..ranks {
+                let (mut length, mut slots) = ([f32::INFINITY; LANES], [0; LANES]);
+                for tether in of_particles().filter_map(|own| own.get(rank)) {
+                    (length[tether.lane as usize], slots[tether.lane as usize]) = (tether.length, tether.pin);
                 }
+                ties.push((length, Anchor::Slots(slots)));
             }
-            self.ties.push(Tie { length, anchor: self.anchors.len() as u32 });
-            self.anchors.push(Anchor::Slots(slots));
+        }
+        for (length, anchor) in ties {
+            self.push(length, anchor);
         }
     }
 
-    /// The index of `anchor` in the list, to which it is added if it is new.
-    fn place_of(&mut self, anchor: Anchor) -> u32 {
-        // Those of a slot for each lane are hardly ever the same.
-        let is_known = |&known: &Anchor| known == anchor && !matches!(anchor, Anchor::Slots(_));
-        let place = self.anchors.iter().position(is_known);
-        place.unwrap_or_else(|| {
+    fn push(&mut self, length: [f32; LANES], anchor: Anchor) {
+        let known = match anchor {
+            // Those of a slot for each lane are hardly ever the same.
+            Anchor::Slots(_) => None,
+            _ => self.anchors.iter().position(|&known| known == anchor),
+        };
+        let place = known.unwrap_or_else(|| {
             self.anchors.push(anchor);
             self.anchors.len() - 1
-        }) as u32
+        });
+        self.ties.push(Tie { length, anchor: place as u32 });
     }
 
     pub fn is_empty(&self) -> bool {
@@ -322,8 +321,9 @@ struct CellTether {
 }
 
 /// Packs the tethers of one cell into ties of which each has one anchor for all lanes.
-fn pack_by_pins(mut tethers: &mut [CellTether], mut tie: impl FnMut([f32; LANES], Anchor)) {
+fn pack_by_pins(mut tethers: Vec<CellTether>) -> Vec<([f32; LANES], Anchor)> {
     const ALL: u32 = LANES as u32;
+    let mut ties = Vec::new();
     while let Some(&CellTether { lane, pin, .. }) = tethers.first() {
         let shares_pin = |tether: &CellTether| tether.pin == pin;
         let is_aligned = |tether: &CellTether| {
@@ -332,19 +332,17 @@ fn pack_by_pins(mut tethers: &mut [CellTether], mut tie: impl FnMut([f32; LANES]
         let (shared, aligned) = tethers.iter().fold((0, 0), |(shared, aligned), tether| {
             (shared + u32::from(shares_pin(tether)), aligned + u32::from(is_aligned(tether)))
         });
-        let (mut length, mut left) = ([f32::INFINITY; LANES], 0);
-        for place in 0..tethers.len() {
-            let tether = tethers[place];
-            if if aligned > shared { is_aligned(&tether) } else { shares_pin(&tether) } {
+        let mut length = [f32::INFINITY; LANES];
+        tethers.retain(|tether| {
+            let is_in = if aligned > shared { is_aligned(tether) } else { shares_pin(tether) };
+            if is_in {
                 length[tether.lane as usize] = tether.length;
-            } else {
-                tethers[left] = tether;
-                left += 1;
             }
-        }
-        tie(length, if aligned > shared { Anchor::Cell(pin / ALL) } else { Anchor::Slot(pin) });
-        tethers = &mut tethers[..left];
+            !is_in
+        });
+        ties.push((length, if aligned > shared { Anchor::Cell(pin / ALL) } else { Anchor::Slot(pin) }));
     }
+    ties
 }
 
 fn by_distance(a: &(f32, u32, u32), b: &(f32, u32, u32)) -> Ordering {

@@ -11,7 +11,7 @@ use crate::error::BuildError;
 use crate::state::bends::Bends;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
-use crate::state::tethers::Tethers;
+use crate::state::particles::Particles;
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
 use crate::tearing::pieces::Rejoined;
@@ -21,6 +21,8 @@ use crate::tearing::tether_crossing::TetherCrossing;
 /// The data from which the topology of one piece is built.
 pub(crate) struct PieceTopology<'a> {
     split: &'a Split<'a>,
+    /// Those of the body before.
+    particles: &'a Particles,
     batches: &'a [Rejoined<'a>],
     crossing: &'a TetherCrossing,
     members: &'a [u32],
@@ -36,6 +38,7 @@ pub(crate) const ELSEWHERE: u32 = u32::MAX;
 impl<'a> PieceTopology<'a> {
     pub fn new(
         split: &'a Split<'a>,
+        particles: &'a Particles,
         batches: &'a [Rejoined<'a>],
         crossing: &'a TetherCrossing,
         members: &'a [u32],
@@ -48,7 +51,7 @@ impl<'a> PieceTopology<'a> {
             Layout::Torn(torn) => (0..torn.count()).map(|index| torn.home(index)).collect(),
             layout => layout.slots().map(|slot| slot as u32).collect(),
         };
-        Self { split, batches, crossing, members, indices, homes }
+        Self { split, particles, batches, crossing, members, indices, homes }
     }
 
     fn old(&self) -> &'a Topology {
@@ -66,8 +69,8 @@ impl<'a> PieceTopology<'a> {
     }
 
     /// True if a particle has the place of a pin.
-    fn is_held(&self, member: u32, is_pin: &[bool]) -> bool {
-        is_pin[self.origin(member)] && self.split.is_real[member as usize]
+    fn is_held(&self, member: u32) -> bool {
+        self.particles.is_pinned(self.origin(member)) && self.split.is_real[member as usize]
     }
 
     fn rest(&self) -> Vec<Vec3> {
@@ -209,14 +212,11 @@ impl<'a> PieceTopology<'a> {
         let Bends { rigidity, friction, .. } = self.old().bends;
         builder.bending(rigidity)?.bending_friction(friction)?;
         let old = self.old();
-        let mut is_pin = vec![false; old.particle_count()];
-        old.tethers.list(&old.layout).iter().for_each(|&(_, pin, _)| is_pin[pin as usize] = true);
-        let members = 0..self.members.len() as u32;
-        let pins: Vec<u32> =
-            members.filter(|&index| self.is_held(self.members[index as usize], &is_pin)).collect();
-        if !pins.is_empty() {
-            let tethers = Tethers::geodesic(self.members.len(), builder.edges(), &pins);
-            builder.tethers(tethers)?;
+        if !old.tethers.is_empty() {
+            let members = 0..self.members.len() as u32;
+            let pins: Vec<u32> =
+                members.filter(|&index| self.is_held(self.members[index as usize])).collect();
+            builder.geodesic_tethers(&pins)?;
         }
         Ok(Topology { parts, ..builder.build()? })
     }

@@ -77,7 +77,7 @@ pub(crate) fn part(
     let is_whole = members.len() == 1;
     let mut pieces = Vec::with_capacity(members.len());
     for members in members {
-        let piece = PieceTopology::new(&split, &batches, &crossing, &members);
+        let piece = PieceTopology::new(&split, &body.particles, &batches, &crossing, &members);
         let topology = if is_whole { piece.of_slit_body() } else { piece.of_part() }?;
         let mut particles = particles_of(&split, &members, &body.particles, &topology.layout);
         let origins: Vec<u32> = members.iter().map(|&member| split.origins[member as usize]).collect();

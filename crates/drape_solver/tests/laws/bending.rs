@@ -268,8 +268,8 @@ fn measured_fabrics_drape_as_in_a_laboratory() {
         let name = fabric.name();
         println!("law: drape of {name}: measured {found:.3?}, published {published}");
         let tolerance = match fabric {
-            // Its drape is 0.40 give or take 0.01, by the way on which it settles.
-            MeasuredFabric::WoolTropical => [0.12; 3],
+            // The drape of its finer meshes is 0.40 give or take 0.01, by the way on which it settles.
+            MeasuredFabric::WoolTropical => [0.1, 0.12, 0.12],
             // The finest mesh of the stiffest is further off.
             MeasuredFabric::CottonBroadcloth => [0.1, 0.1, 0.15],
             _ => [0.1; 3],

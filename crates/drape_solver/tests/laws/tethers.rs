@@ -1,6 +1,6 @@
 //! Tethers take the sag out of hanging cloth.
 
-use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Island};
+use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Island, MeshClothBuilder};
 
 use crate::common::*;
 
@@ -54,4 +54,34 @@ fn a_slack_tether_does_nothing() {
         particles(&island).position(76)
     };
     assert_eq!(fall(true), fall(false));
+}
+
+/// A mesh hangs from two shoulders, of five pins each, and each holds every particle. The pins of the nearer one once took all its tethers.
+#[test]
+fn both_shoulders_of_a_mesh_hold() {
+    let settings = BodySettings { drag: 2.0, ..BodySettings::default() };
+    let grid = ClothBuilder::new(1.0, 1.0, 25, 25).build(settings).expect("valid");
+    let places = grid.particles.positions().collect();
+    let mesh = MeshClothBuilder::new(places, grid.topology.faces().to_vec());
+    let mesh = (0..5).chain(20..25).fold(mesh, MeshClothBuilder::pin);
+    let mut island = Island::of_body(mesh.build(settings).expect("valid"));
+    run(&mut island, &gravity(FRAME), 4.0);
+    let body = &island.bodies[0].particles;
+    let (pins, others): (Vec<u32>, Vec<u32>) =
+        (0..25 * 25).partition(|&i| body.inverse_mass(i as usize) == 0.0);
+    let place = |i: u32| body.position(i as usize);
+    let middle = pins.iter().map(|&pin| place(pin).x).sum::<f32>() / pins.len() as f32;
+    let tethers = island.bodies[0].topology.tethers();
+    for i in others {
+        for is_left in [true, false] {
+            let is_own = |&&(p, pin, _): &&(u32, u32, f32)| p == i && (place(pin).x < middle) == is_left;
+            let strains =
+                tethers.iter().filter(is_own).map(|&(_, pin, length)| place(i).distance(place(pin)) / length);
+            let strain = strains.fold(f32::NAN, f32::max) - 1.0;
+            assert!(
+                strain < 0.002,
+                "particle {i} is farther from the left ({is_left}) than at rest by {strain}"
+            );
+        }
+    }
 }

@@ -18,7 +18,6 @@ use crate::error::{BuildError, in_range, positive};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
 use crate::state::settings::BodySettings;
-use crate::state::tethers::Tethers;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// Builds a cloth from the triangles of any mesh.
@@ -222,6 +221,8 @@ impl MeshClothBuilder {
             let stiffness = class.stiffness(self.material.stretch_stiffness, weave);
             builder.family(material(StickKind::Structural, stiffness), edges)?;
         }
+        // Along the edges alone: bend sticks are shorter than the way over the surface.
+        builder.geodesic_tethers(pins)?;
         for (class, bends) in by_class(&surface.bends, &paint, &BTreeMap::new()) {
             builder.family(
                 material(StickKind::Bend, class.stiffness(self.material.bend_stiffness, None)),
@@ -230,9 +231,6 @@ impl MeshClothBuilder {
         }
         builder.faces(surface.faces.iter().copied())?;
         builder.bending(self.material.bending_rigidity)?.bending_friction(self.material.bending_friction)?;
-        let edges =
-            surface.edges.iter().map(|&[a, b]| (a, b, positions[a as usize].distance(positions[b as usize])));
-        builder.tethers(Tethers::geodesic(positions.len(), edges, pins))?;
         builder.build()
     }
 }
