@@ -9,6 +9,7 @@ use drape_solver::{
     RopeBuilder, SelfContact, Shape, StructuralSolve, Threads, Wind, step, step_on,
 };
 
+use crate::bending_friction::hash_of_folds;
 use crate::common::*;
 use crate::lines::hash_of_sheet;
 use crate::membrane::hash_of_elastic_sheet;
@@ -338,6 +339,7 @@ fn every_machine_ends_in_the_golden_bits() {
         hash_of_sheet(100, 90, Isa::detected()),
         hash_of_mesh(Isa::detected(), BodySettings { substeps: 4, ..BodySettings::default() }),
         hash_of_elastic_sheet(Isa::detected()),
+        hash_of_folds(Isa::detected()),
     ];
     let golden = [
         0xdb758c7dbc6dd4fc,
@@ -347,6 +349,7 @@ fn every_machine_ends_in_the_golden_bits() {
         0x976c13e290ac68b4,
         0x4c341edcf72d3427,
         0x394855ad7cfd621e,
+        0x7c3f3629bfffd266,
     ];
     assert!(
         ends == golden,
