@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.8, 1.25, 2.6),
     target: Vec3::new(0.0, 0.85, 0.0),
-    picture_time: 2.6,
+    picture_time: 2.0,
     build: |app| {
         app.add_systems(FixedUpdate, turn).add_systems(Startup, setup);
     },
@@ -43,7 +43,9 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     let skirt = ClothMesh::default().with_pins(pins.map(|(i, _)| i as u32));
     let skirt = (skirt, Fabric { bend_stiffness: 0.02, ..default() });
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
-    commands.spawn((Skirt, Mesh3d(meshes.add(mesh)), skirt, Paint::rgb(0.55, 0.18, 0.40), place));
+    // A skirt lies in folds until the turn spreads it.
+    let settings = SolverSettings { self_contact: SelfContact::On, ..default() };
+    commands.spawn((Skirt, Mesh3d(meshes.add(mesh)), skirt, settings, Paint::rgb(0.55, 0.18, 0.40), place));
     for side in [-0.09, 0.09] {
         commands.spawn((Obstacle::capsule(0.07, 0.85), Transform::from_xyz(side, 0.6, 0.0)));
     }
