@@ -108,8 +108,7 @@ fn a_cut_strip_droops_as_before() {
     let mut cut = build();
     // Along the strip, beyond its middle.
     let [from, to] = [Vec3::new(-1.0, 0.0, 0.05), Vec3::new(1.0, 0.0, 0.05)];
-    let wide = Vec3::Y;
-    let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
+    let blade = wide_blade(from, to, Vec3::Y);
     assert!(cut.cut(&blade).expect("can be cut").is_some(), "the blade must meet the cloth");
     let cut = length_of(cut, overhang);
     law("bending length of a cut cloth", cut.into(), whole.into(), 0.05);
@@ -248,10 +247,7 @@ fn bending_has_the_same_bits_on_all() {
             let whole = grid(size).build(settings).expect("valid");
             let mut cut = whole.clone();
             let [from, to] = [Vec3::new(0.1, 0.0, 0.17), Vec3::new(0.33, 0.0, 0.18)];
-            let blade = [
-                [from - Vec3::Y, to - Vec3::Y, to + Vec3::Y],
-                [from - Vec3::Y, to + Vec3::Y, from + Vec3::Y],
-            ];
+            let blade = wide_blade(from, to, Vec3::Y);
             assert!(cut.cut(&blade).expect("can be cut").is_some(), "the blade must meet the cloth");
             for body in [whole, cut, mesh] {
                 let mut island = Island::of_body(body);

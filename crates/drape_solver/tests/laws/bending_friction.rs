@@ -248,8 +248,7 @@ fn a_cut_strip_keeps_its_fold() {
         run(&mut island, &weightless(FRAME), 0.5);
         // Along the strip, near one of its sides, and not through the end.
         let [from, to] = [Vec3::new(-1.0, 0.0, 0.056), Vec3::new(1.0, 0.0, 0.056)];
-        let wide = Vec3::Y;
-        let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
+        let blade = wide_blade(from, to, Vec3::Y);
         let cut = island.bodies[0].cut(&blade).expect("can be cut");
         let pieces = cut.expect("the blade must meet the cloth").pieces;
         island.bodies.extend(pieces.into_iter().map(|piece| piece.body));
@@ -274,8 +273,7 @@ pub fn hash_of_folds(isa: Isa) -> u64 {
         .pin(0);
     let mut cut = built(cloth.clone());
     let [from, to] = [Vec3::new(0.1, 0.0, 0.17), Vec3::new(0.33, 0.0, 0.18)];
-    let wide = Vec3::Y;
-    let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
+    let blade = wide_blade(from, to, Vec3::Y);
     assert!(cut.cut(&blade).expect("can be cut").is_some(), "the blade must meet the cloth");
     let mut island = Island { isa, ..Island::of_body(cut) };
     island.bodies.push(meshed(cloth, 1e-4));

@@ -437,6 +437,10 @@ pub fn normal(body: &Body) -> Vec3 {
 
 /// A blade from one point to another, through sheets in the XY plane.
 pub fn blade(from: Vec3, to: Vec3) -> [[Vec3; 3]; 2] {
-    let wide = Vec3::Z * 2.0;
+    wide_blade(from, to, Vec3::Z * 2.0)
+}
+
+/// A blade from one point to another that reaches as far as `wide` to both sides.
+pub fn wide_blade(from: Vec3, to: Vec3, wide: Vec3) -> [[Vec3; 3]; 2] {
     [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]]
 }

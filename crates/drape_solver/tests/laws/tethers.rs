@@ -67,8 +67,7 @@ fn both_shoulders_of_a_mesh_hold() {
     let mut island = Island::of_body(mesh.build(settings).expect("valid"));
     run(&mut island, &gravity(FRAME), 4.0);
     let body = &island.bodies[0].particles;
-    let (pins, others): (Vec<u32>, Vec<u32>) =
-        (0..25 * 25).partition(|&i| body.inverse_mass(i as usize) == 0.0);
+    let (pins, others): (Vec<u32>, Vec<u32>) = (0..25 * 25).partition(|&i| body.is_pinned(i as usize));
     let place = |i: u32| body.position(i as usize);
     let middle = pins.iter().map(|&pin| place(pin).x).sum::<f32>() / pins.len() as f32;
     let tethers = island.bodies[0].topology.tethers();

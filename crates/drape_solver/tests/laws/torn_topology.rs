@@ -127,8 +127,7 @@ fn an_end_beside_a_face_by_rounding_comes_back() {
                 let place = |x: f32| Vec3::new(x, y, 0.0);
                 let (from, to) = (place(-0.7), place(-0.5 + (1.0 + part) / (columns - 1) as f32));
                 let wide = Vec3::new(0.0, lean, 1.0);
-                let blade = [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]];
-                body.cut(&blade).expect("can be cut");
+                body.cut(&wide_blade(from, to, wide)).expect("can be cut");
                 assert_comes_back(&body, &whole);
             }
         }
