@@ -66,10 +66,7 @@ impl<S: Simd> PlacedBends<S> {
     pub fn normal(&self, simd: S, are_threads: bool) -> (Lanes3<S>, mask32x16<S>) {
         let [b, c, d] = self.to;
         let normal = if are_threads { c.cross(d.minus(b)) } else { b.cross(c.minus(d)) };
-        let length = normal.dot(normal).sqrt();
-        let zero = f32x16::splat(simd, 0.0);
-        let is_normal = length.simd_gt(zero);
-        (normal.times(is_normal.select(f32x16::splat(simd, 1.0) / length, zero)), is_normal)
+        normal.unit(simd)
     }
 }
 

@@ -56,6 +56,15 @@ impl<S: Simd> Lanes3<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// The vectors at unit length, zero where they are zero, and where they are not.
+    #[inline(always)]
+    pub fn unit(self, simd: S) -> (Self, mask32x16<S>) {
+        let length = self.dot(self).sqrt();
+        let zero = f32x16::splat(simd, 0.0);
+        let is_some = length.simd_gt(zero);
+        (self.times(is_some.select(f32x16::splat(simd, 1.0) / length, zero)), is_some)
+    }
+
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self {

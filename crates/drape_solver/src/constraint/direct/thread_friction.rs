@@ -110,11 +110,7 @@ impl Follow<'_> {
         let right = self.neighbour(simd, right, has_right, middle);
         let up = self.neighbour(simd, up, has_up, middle);
         let down = self.neighbour(simd, down, has_down, middle);
-        let normal = right.minus(left).cross(down.minus(up));
-        let squared = normal.dot(normal);
-        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let has_normal = squared.simd_gt(zero);
-        let normal = normal.times(has_normal.select(one / squared.sqrt(), zero));
+        let (normal, has_normal) = right.minus(left).cross(down.minus(up)).unit(simd);
         self.slip(simd, 0, cell, (normal, has_normal), [left, middle, right], has_left & has_right);
         self.slip(simd, 1, cell, (normal, has_normal), [up, middle, down], has_up & has_down);
     }
