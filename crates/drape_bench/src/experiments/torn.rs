@@ -7,9 +7,10 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BodySettings, BuildError, ClothBuilder, Environment, Island, StepError, TearLimits, Torn, step,
+    Body, BuildError, ClothBuilder, Environment, Island, Quality, StepError, TearLimits, Torn, step,
 };
 
+use crate::experiments::contact::trial::Accuracy;
 use crate::measure::median::{in_turns, median_us};
 
 /// Steps before the cuts are made.
@@ -27,6 +28,9 @@ pub struct TornArguments {
     /// Number of timed steps of each; the medians count.
     #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeat: u32,
+    /// Accuracy of the cloth.
+    #[arg(long, value_enum, default_value_t = Accuracy::Medium)]
+    quality: Accuracy,
 }
 
 /// A way to tear a cloth of 1 m x 1 m that hangs by its upper corners from (0, 0, 0) and (1, 0, 0).
@@ -67,7 +71,7 @@ const TEARS: [(&str, Tear); 7] = [
 /// If the cloth cannot be made, cut or stepped.
 pub fn report(cuts: &TornArguments) -> Result<(), Box<dyn Error>> {
     let environment = Environment::default();
-    let mut start = Island::of_body(curtain(cuts.n)?);
+    let mut start = Island::of_body(curtain(cuts)?);
     (0..SETTLING).try_for_each(|_| step(&mut start, &environment))?;
     let mut islands = Vec::new();
     let mut tearing = Vec::new();
@@ -111,10 +115,10 @@ pub fn report(cuts: &TornArguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn curtain(n: u32) -> Result<Body, BuildError> {
+fn curtain(&TornArguments { n, quality, .. }: &TornArguments) -> Result<Body, BuildError> {
     let cloth = ClothBuilder::new(1.0, 1.0, n, n)
         .pin_where(|column, row, _| row == 0 && (column == 0 || column + 1 == n));
-    cloth.build(BodySettings::default())
+    cloth.build(Quality::from(quality).into())
 }
 
 fn cut(body: &mut Body, from: Vec3, to: Vec3) -> Result<Vec<Body>, BuildError> {

@@ -70,6 +70,11 @@ impl GridBatch {
         [[from, row], [from.wrapping_add_signed(self.right), row + self.down]]
     }
 
+    /// The column and row at which stick `k` begins.
+    pub fn start(self, k: usize) -> [usize; 2] {
+        self.ends(k)[0]
+    }
+
     /// The stick that begins at this column and row, if there is one: the inverse of [`ends`](Self::ends).
     fn stick_from(self, [column, row]: [usize; 2]) -> Option<usize> {
         let left = if self.right < 0 { self.right.unsigned_abs() } else { 0 };

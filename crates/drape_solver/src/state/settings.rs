@@ -40,7 +40,7 @@ pub enum StructuralSolve {
     /// Takes effect if structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from 9 x 9
     /// particles, or 33 in a rope. Other sticks are still swept. Lines are solved once a substep, in the last iteration, so that
     /// one iteration serves best. The gain grows with the substeps: with fewer than 8 the shear and bend sticks undo much of
-    /// the lines' work.
+    /// the lines' work. Torn cloth keeps its lines, with gaps. A line with a stick that is stretched by more than 10 % gives way.
     Lines,
 }
 

@@ -331,14 +331,13 @@ impl Topology {
 
     /// True if the particles are in one line.
     pub(crate) fn is_rope(&self) -> bool {
-        matches!(self.layout, Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }))
+        matches!(self.layout.grid(), Some(Grid { rows: 1, .. } | Grid { columns: 1, .. }))
     }
 
     /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, is torn, or may
     /// stretch.
     pub(crate) fn rope_length(&self, [from, to]: [usize; 2]) -> Option<f32> {
-        let is_severed = |batch: &StickBatch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if !severed.is_empty());
-        if !self.is_rope() || self.batches.iter().any(is_severed) {
+        if !self.is_rope() || self.layout.is_torn() {
             return None;
         }
         let link = self.batches.iter().find(|batch| batch.material.kind == StickKind::Structural)?;

@@ -8,7 +8,7 @@ use core::ops::Range;
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::constraint::direct::grid_lines::{Lines, Solved};
 use crate::constraint::direct::line::LineScratch;
-use crate::state::settings::{BodySettings, StructuralSolve};
+use crate::state::settings::BodySettings;
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
 use crate::substep::order::{BodyStage, Order};
 
@@ -141,12 +141,6 @@ impl Plan {
         extras: Extras,
     ) {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
-        let mut settings = *settings;
-        if topology.layout.is_torn() {
-            // A torn line has gaps and cannot be solved as a chain.
-            settings.structural = StructuralSolve::default();
-        }
-        let settings = &settings;
         self.list_lines(topology, settings, stiffness);
         self.stages.clear();
         self.first_of_stage.clear();

@@ -14,6 +14,7 @@ use crate::common::*;
 use crate::lines::hash_of_sheet;
 use crate::membrane::hash_of_elastic_sheet;
 use crate::mesh::hash_of_mesh;
+use crate::torn_lines::hash_of_torn_sheet;
 
 /// A bit of everything: curtain, rope, balls, wind, moving and parry obstacles.
 fn scene() -> (Island, Environment) {
@@ -340,16 +341,18 @@ fn every_machine_ends_in_the_golden_bits() {
         hash_of_mesh(Isa::detected(), BodySettings { substeps: 4, ..BodySettings::default() }),
         hash_of_elastic_sheet(Isa::detected()),
         hash_of_folds(Isa::detected()),
+        hash_of_torn_sheet(64, 48, Isa::detected()),
     ];
     let golden = [
         0xdb758c7dbc6dd4fc,
         0xfde4596fd9b23902,
         0x9450ab507696daa5,
         0xc00d243c8f36fb0b,
-        0x976c13e290ac68b4,
+        0xac29ee24457e6c9c,
         0x4c341edcf72d3427,
         0x394855ad7cfd621e,
-        0x7c3f3629bfffd266,
+        0xf477dbfdd8f105fc,
+        0xb2db80d374b6b1b0,
     ];
     assert!(
         ends == golden,

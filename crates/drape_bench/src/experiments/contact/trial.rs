@@ -48,6 +48,16 @@ pub enum Accuracy {
     High,
 }
 
+impl From<Accuracy> for Quality {
+    fn from(accuracy: Accuracy) -> Self {
+        match accuracy {
+            Accuracy::Low => Self::Low,
+            Accuracy::Medium => Self::Medium,
+            Accuracy::High => Self::High,
+        }
+    }
+}
+
 /// A run.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
@@ -119,18 +129,13 @@ pub struct Figures {
 impl Trial {
     /// Settings of all bodies.
     pub fn settings(&self) -> BodySettings {
-        let quality = match self.quality {
-            Accuracy::Low => Quality::Low,
-            Accuracy::Medium => Quality::Medium,
-            Accuracy::High => Quality::High,
-        };
         let self_contact = match self.mode {
             Mode::Off => SelfContact::Off,
             Mode::On => SelfContact::On,
         };
         let thickness = self.thickness.unwrap_or(THICKNESS);
         let surface = BodySettings { thickness, friction: FRICTION, ..BodySettings::default() };
-        BodySettings { self_contact, ..surface.with_quality(quality) }
+        BodySettings { self_contact, ..surface.with_quality(self.quality.into()) }
     }
 
     /// Runs the scene. `stepped` is called after each step.

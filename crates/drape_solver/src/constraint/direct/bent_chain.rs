@@ -23,7 +23,8 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::{ALONG_ONE_LINE, LEAST_WEIGHT};
-use crate::constraint::direct::chain::{Chains, compliances};
+use crate::constraint::direct::chain::Chains;
+use crate::constraint::direct::resistance::compliances;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
@@ -228,7 +229,8 @@ mod tests {
                 }
                 let before = position.clone();
                 let mut columns = CellColumns::new(&mut position, 2);
-                let chains = Chains { position: columns.column(0), inverse_mass: &inverse_mass, count };
+                let chains =
+                    Chains { position: columns.column(0), inverse_mass: &inverse_mass, count, gaps: None };
                 isa.run(Bend(chains, &rest));
                 (0..LANES).for_each(|lane| {
                     let start: Vec<Vec3> = (0..count).map(|i| before[2 * i].get(lane)).collect();

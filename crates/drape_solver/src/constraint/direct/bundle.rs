@@ -81,6 +81,8 @@ pub(super) struct BundleSolve<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
     /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
     pub rest: Option<&'a [Cell]>,
+    /// Gaps of the lines by bundle and place; none in a whole grid.
+    pub gaps: Option<&'a [u16]>,
     pub direction: Direction,
     pub solved: Solved,
     pub projection: StickProjection,
@@ -177,9 +179,11 @@ impl SomeBundles<'_> {
     /// Solves one column of all patches, where it lies.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, simd: S, column: usize, projection: impl Projection) {
-        let BundleSolve { grid, patches, inverse_mass, rest, solved, .. } = self.solve;
+        let BundleSolve { grid, patches, inverse_mass, rest, gaps, solved, .. } = self.solve;
         let position = self.position.column(column);
-        let chains = Chains { position, inverse_mass, count: grid.rows };
+        let count = grid.rows;
+        let gaps = gaps.map(|gaps| &gaps[column * count..][..count]);
+        let chains = Chains { position, inverse_mass, count, gaps };
         let is_edge = |lane| is_at_edge(lane * patches.width + column, grid.columns);
         solve_chains(
             simd,
@@ -195,7 +199,8 @@ impl SomeBundles<'_> {
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
         let Self { solve, position, bundles, scratch } = self;
-        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, solved, .. } = solve;
+        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, gaps, solved, .. } =
+            solve;
         let count = LANES.min(grid.rows - first);
         // The cells of this thread begin with its first bundle.
         let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
@@ -230,8 +235,10 @@ impl SomeBundles<'_> {
             );
             &**rests
         });
+        let places = grid.columns;
+        let gaps = gaps.map(|gaps| &gaps[first / LANES * places..][..places]);
         let chains =
-            Chains { position: CellColumn::new(position), inverse_mass: masses, count: grid.columns };
+            Chains { position: CellColumn::new(position), inverse_mass: masses, count: places, gaps };
         let is_edge = |lane| is_at_edge(first + lane, grid.rows);
         solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
         transpose_back(simd, width, cells, position);
@@ -335,16 +342,22 @@ mod tests {
             let patches = grid.patches.expect("in patches");
             assert_eq!(patches.down, 1, "its patches lie side by side");
             let (inverse_mass, _) = body.particles.inverse_mass.as_chunks::<LANES>();
+            // Every fifth stick is severed, in a lane that turns.
+            let gaps: Vec<u16> =
+                (0..columns as usize * 100).map(|i| if i % 5 == 0 { 1 << (i % 16) } else { 0 }).collect();
             let sticks = Solved::Sticks(ElasticStick { rest: 0.1, compliance: 0.0 });
-            for (direction, solved) in [Direction::Columns, Direction::Rows]
+            let bends = Solved::Bends(1.0);
+            let cases = [(sticks, false), (sticks, true), (bends, false)];
+            for (direction, (solved, has_gaps)) in [Direction::Columns, Direction::Rows]
                 .into_iter()
-                .flat_map(|direction| [(direction, sticks), (direction, Solved::Bends(1.0))])
+                .flat_map(|direction| cases.map(|case| (direction, case)))
             {
                 let solve = BundleSolve {
                     grid,
                     patches,
                     inverse_mass,
                     rest: None,
+                    gaps: has_gaps.then_some(&*gaps),
                     direction,
                     solved,
                     projection: StickProjection::Exact,

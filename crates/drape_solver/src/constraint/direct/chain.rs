@@ -21,9 +21,8 @@
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-use crate::constants::{
-    CHAIN_REGULARISER, CHAIN_STEP, ELASTIC_REGULARISER, GREATEST_INVERSE_MASS, LEAST_WEIGHT, TAUT,
-};
+use crate::constants::{CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT, TAUT};
+use crate::constraint::direct::resistance::{compliances, eased_parts, regulariser};
 use crate::constraint::direct::taut_chain::ChainTurn;
 use crate::constraint::projection::Projection;
 use crate::simd::cell_columns::CellColumn;
@@ -40,6 +39,8 @@ pub(crate) struct Chains<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
     /// The number of particles in a chain.
     pub count: usize,
+    /// For each particle the lanes without a stick to the next one, lane 0 in the lowest bit. None if all have theirs.
+    pub gaps: Option<&'a [u16]>,
 }
 
 /// Scratch of the stick below each particle.
@@ -80,7 +81,7 @@ impl Chains<'_> {
     /// One Newton step on all sticks of these chains. `edges` has the lanes of chains at an edge of the cloth.
     ///
     /// If the step is too long for the sticks to count as straight, a chain takes only a part of it, and its sticks are
-    /// relaxed one by one from there.
+    /// relaxed one by one from there. So it does if a stick is overstretched.
     pub fn solve<S: Simd>(
         &mut self,
         simd: S,
@@ -108,7 +109,7 @@ impl Chains<'_> {
     ) {
         let rest = stick.rest;
         let compliance = compliances(simd, stick.compliance, edges);
-        self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
+        let error = self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
         let [mut turn, tautness] = self.substitute(simd, scratch);
         let is_taut = tautness.simd_gt(f32x16::splat(simd, TAUT));
         if is_taut.any_true() {
@@ -118,18 +119,25 @@ impl Chains<'_> {
         let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
         let one = f32x16::splat(simd, 1.0);
         let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
+        let eased = eased_parts(simd, stick, error);
+        let part = part * eased;
         if is_taut.any_true() {
             self.apply::<S, true>(simd, scratch, part, is_taut);
             self.apply_turns(simd, scratch, part, is_taut);
         } else {
             self.apply::<S, false>(simd, scratch, part, is_taut);
         }
-        if is_too_long.any_true() {
-            self.sweep(simd, is_too_long, rest, compliance, projection);
+        let is_eased = eased.simd_lt(one);
+        if (is_too_long | is_eased).any_true() {
+            self.sweep(simd, is_too_long.select(one, one - eased), rest, compliance, projection);
+        }
+        if is_eased.any_true() {
+            self.sweep(simd, one - eased, rest, compliance, projection);
         }
     }
 
-    /// Elimination down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
+    /// Elimination down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick. Returns
+    /// the greatest error in metres.
     #[inline(always)]
     fn eliminate<S: Simd>(
         &self,
@@ -138,7 +146,7 @@ impl Chains<'_> {
         rest: f32,
         regulariser: f32,
         compliance: f32x16<S>,
-    ) {
+    ) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
         let least = f32x16::splat(simd, LEAST_WEIGHT);
@@ -147,6 +155,7 @@ impl Chains<'_> {
         let mut wa = self.inverse_mass(simd, 0);
         let mut above = Lanes3 { x: zero, y: zero, z: zero };
         let (mut inverse_above, mut right_above) = (zero, zero);
+        let mut greatest = zero;
         for i in 0..self.count - 1 {
             let b = self.position(simd, i + 1);
             let wb = self.inverse_mass(simd, i + 1);
@@ -154,13 +163,14 @@ impl Chains<'_> {
             let length = delta.dot(delta).sqrt();
             let weight = wa + wb;
             // A stick without length has no direction, and one pinned at both ends does not move.
-            let has_length: mask32x16<S> = length.simd_gt(zero);
+            let has_length: mask32x16<S> = self.with_stick(simd, i, length.simd_gt(zero));
             let is_free: mask32x16<S> = weight.simd_gt(least);
             let scale = has_length.select(one / length, zero);
             let direction = delta.times(scale);
             let error = (has_length & is_free).select(length - rest, zero);
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
+            greatest = greatest.max(error);
             let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(least);
             let pivot = own - lower * upper_above;
             let inverse = one / pivot;
@@ -173,6 +183,7 @@ impl Chains<'_> {
             (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
         }
         sticks[self.count - 2].upper = [0.0; LANES];
+        greatest
     }
 
     /// Substitution up the chain: leaves each multiplier times the scale of its stick. Returns the square of the
@@ -232,12 +243,12 @@ impl Chains<'_> {
         }
     }
 
-    /// Relaxes every second stick, then the others, in the lanes of `is_swept`.
+    /// Relaxes every second stick by these parts of its error, then the others.
     #[inline(always)]
     fn sweep<S: Simd>(
         &mut self,
         simd: S,
-        is_swept: mask32x16<S>,
+        part: f32x16<S>,
         rest: f32,
         compliance: f32x16<S>,
         projection: impl Projection,
@@ -248,11 +259,20 @@ impl Chains<'_> {
             let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
             let (a, b) = (self.position(simd, i), self.position(simd, i + 1));
             let delta = b.minus(a);
-            let error =
-                is_swept.select(projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest)), zero);
+            let error = projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest));
+            let error = self.with_stick(simd, i, part.simd_gt(zero)).select(error * part, zero);
             let scale = error / ((wa + wb).max(least) + compliance);
             self.set_position(i, a.plus(delta.times(scale * wa)));
             self.set_position(i + 1, b.minus(delta.times(scale * wb)));
+        }
+    }
+
+    /// Those of these `lanes` that have a stick from particle `i` to the next one.
+    #[inline(always)]
+    fn with_stick<S: Simd>(&self, simd: S, i: usize, lanes: mask32x16<S>) -> mask32x16<S> {
+        match self.gaps {
+            Some(gaps) => lanes & mask32x16::from_bitmask(simd, u64::from(!gaps[i])),
+            None => lanes,
         }
     }
 
@@ -273,21 +293,10 @@ impl Chains<'_> {
     }
 }
 
-/// The least compliance of sticks, in parts of the inverse masses of their ends.
-pub(super) fn regulariser(stick: ElasticStick) -> f32 {
-    if stick.compliance > 0.0 { ELASTIC_REGULARISER } else { CHAIN_REGULARISER }
-}
-
-/// Compliance by lane: at an edge of the cloth it is twice that inside.
-#[inline(always)]
-pub(super) fn compliances<S: Simd>(simd: S, inside: f32, edges: u16) -> f32x16<S> {
-    let is_edge = mask32x16::from_bitmask(simd, u64::from(edges));
-    is_edge.select(f32x16::splat(simd, 2.0 * inside), f32x16::splat(simd, inside))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::{CHAIN_REGULARISER, ELASTIC_REGULARISER};
     use crate::simd::cell_columns::CellColumns;
     use crate::simd::columns::Cell;
     use crate::simd::miri::unless_miri;
@@ -304,13 +313,19 @@ mod tests {
     const SOFT: ElasticStick = ElasticStick { rest: REST, compliance: 5.0 };
     const EDGES: u16 = 0x8001;
 
+    /// Gaps of chains in the lanes: each in other lanes, some side by side.
+    fn gaps(count: usize) -> Vec<u16> {
+        (0..count).map(|i| 0x2481_u16.rotate_left(i as u32) & if i % 3 == 0 { 0 } else { u16::MAX }).collect()
+    }
+
     /// One chain, in double precision and stick by stick.
-    fn solved(position: &[Vec3], inverse_mass: &[f32], compliance: f64) -> Vec<DVec3> {
+    fn solved(position: &[Vec3], inverse_mass: &[f32], gaps: &[bool], compliance: f64) -> Vec<DVec3> {
         let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
         let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
         let sticks = position.len() - 1;
         let delta = |i: usize| position[i + 1] - position[i];
-        let n: Vec<DVec3> = (0..sticks).map(|i| delta(i).normalize_or_zero()).collect();
+        let direction = |i: usize| if gaps[i] { DVec3::ZERO } else { delta(i).normalize_or_zero() };
+        let n: Vec<DVec3> = (0..sticks).map(direction).collect();
         let (mut rows, mut right) = (vec![vec![0.0; sticks]; sticks], vec![0.0; sticks]);
         for i in 0..sticks {
             let weight = w[i] + w[i + 1];
@@ -337,6 +352,7 @@ mod tests {
         position: &'a mut [Cell],
         inverse_mass: &'a [[f32; LANES]],
         count: usize,
+        gaps: Option<&'a [u16]>,
         stick: ElasticStick,
     }
 
@@ -345,11 +361,11 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) {
-            let Self { position, inverse_mass, count, stick } = self;
+            let Self { position, inverse_mass, count, gaps, stick } = self;
             let mut scratch = ChainScratch::default();
             scratch.reserve(count);
             let mut columns = CellColumns::new(position, 2);
-            let mut chains = Chains { position: columns.column(1), inverse_mass, count };
+            let mut chains = Chains { position: columns.column(1), inverse_mass, count, gaps };
             chains.solve(simd, &mut scratch, stick, EDGES, Exact);
         }
     }
@@ -385,16 +401,29 @@ mod tests {
 
     #[test]
     fn chains_go_where_the_whole_matrix_says() {
-        for (isa, stick) in Isa::available().into_iter().flat_map(|isa| [(isa, RIGID), (isa, SOFT)]) {
+        let cases = [(RIGID, false), (SOFT, false), (RIGID, true), (SOFT, true)];
+        for (isa, (stick, has_gaps)) in
+            Isa::available().into_iter().flat_map(|isa| cases.map(|case| (isa, case)))
+        {
             for count in [2, 3, unless_miri(8, 4), unless_miri(61, 5)] {
+                let gaps = if has_gaps { gaps(count) } else { vec![0; count] };
+                let all_gaps = has_gaps.then_some(&*gaps);
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
-                isa.run(Solve { position: &mut position, inverse_mass: &inverse_mass, count, stick });
+                isa.run(Solve {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    count,
+                    gaps: all_gaps,
+                    stick,
+                });
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
                     let compliance = f64::from(stick.compliance) * width_share(lane).recip();
-                    for (i, expected) in solved(&start, &weights, compliance).into_iter().enumerate() {
+                    let is_gap: Vec<bool> = gaps.iter().map(|gap| gap & (1 << lane) != 0).collect();
+                    let expected = solved(&start, &weights, &is_gap, compliance);
+                    for (i, expected) in expected.into_iter().enumerate() {
                         let found = position[1 + 2 * i].get(lane).as_dvec3();
                         assert!(found.distance(expected) < 1e-5, "{} {count} {lane} {i}", isa.name());
                     }
@@ -408,24 +437,27 @@ mod tests {
     /// The scalar form, which ropes run: short and long steps, to the bit.
     #[test]
     fn each_lane_does_what_a_lone_chain_does() {
-        for (stretched, stick) in [(0.02, RIGID), (1.0, RIGID), (0.02, SOFT), (1.0, SOFT)] {
+        let cases = [(0.02, RIGID), (1.0, RIGID), (0.02, SOFT), (1.0, SOFT)];
+        for ((stretched, stick), has_gaps) in cases.into_iter().flat_map(|case| [(case, false), (case, true)])
+        {
             for count in [2, 3, unless_miri(40, 5)] {
+                let gaps = gaps(count);
                 let (mut position, inverse_mass) = chains(count, stretched);
                 let mut lone = position.clone();
                 let mut sticks = vec![LoneStick::default(); count];
                 for lane in 0..LANES {
                     let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
                     let compliance = stick.compliance / width_share(lane) as f32;
-                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
-                        &mut sticks,
-                        ElasticStick { compliance, ..stick },
-                        Exact,
-                    );
+                    let of_lane: Vec<u16> = gaps.iter().map(|gap| gap >> lane & 1).collect();
+                    let gaps = has_gaps.then_some(&*of_lane);
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots, gaps }
+                        .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
                 }
                 Isa::detected().run(Solve {
                     position: &mut position,
                     inverse_mass: &inverse_mass,
                     count,
+                    gaps: has_gaps.then_some(&*gaps),
                     stick,
                 });
                 let bits = |cells: &[Cell]| -> Vec<u32> {
@@ -450,6 +482,7 @@ mod tests {
             position: &mut position,
             inverse_mass: &inverse_mass,
             count,
+            gaps: None,
             stick: RIGID,
         });
         for lane in 0..LANES {

@@ -129,6 +129,15 @@ impl Lines {
         }
     }
 
+    /// The bundle in which a line is solved, and its lane.
+    pub(super) fn bundle_of(self, grid: RuledGrid, line: usize) -> (usize, usize) {
+        match (self.storage(grid), grid.patches) {
+            (LineStorage::InPlace, Some(patches)) => (line % patches.width, line / patches.width),
+            (LineStorage::Lone, _) => (line, 0),
+            _ => (line / LANES, line % LANES),
+        }
+    }
+
     /// The places of line `line`.
     ///
     /// Diagonals go on at the other side of the grid, so that all have a particle in each row. Two ghosts cut the line there, at the
@@ -197,18 +206,22 @@ pub(super) struct RuledGrid {
 }
 
 impl RuledGrid {
-    /// The whole grid of a topology.
+    fn in_patches(patches: Grid) -> Self {
+        Self { columns: patches.columns, rows: patches.rows, patches: Some(patches) }
+    }
+
+    /// The grid of a topology. Some of its places may be empty if it is torn.
     pub fn of(topology: &Topology) -> Option<Self> {
         let small = || {
             let bent = topology.bends.lines.map(|BentGrid { columns, rows, .. }| [columns, rows]);
             bent.or_else(|| topology.membrane.map(|Membrane { size, .. }| size))
         };
         match &topology.layout {
-            &Layout::Grid(grid) => Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) }),
+            &Layout::Grid(grid) => Some(Self::in_patches(grid)),
             Layout::Linear { .. } | Layout::Renumbered(_) => {
                 small().map(|[columns, rows]| Self { columns, rows, patches: None })
             }
-            Layout::Torn(_) => None,
+            Layout::Torn(torn) => Some(Self::in_patches(torn.grid)),
         }
     }
 }
@@ -238,7 +251,11 @@ pub(super) fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> 
     };
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
-    let slot = |place: LinePlace| layout.slot(place.index) as u32 | if place.is_ghost { GHOST } else { 0 };
+    let of_place = |index: usize| match grid.patches {
+        Some(patches) => patches.slot(index % patches.columns, index / patches.columns),
+        None => layout.slot(index),
+    };
+    let slot = |place: LinePlace| of_place(place.index) as u32 | if place.is_ghost { GHOST } else { 0 };
     let mut slots = Vec::with_capacity(number * count);
     for bundle in bundles {
         let all: Vec<_> = bundle.map(|line| lines.places(grid, line)).collect();

@@ -7,9 +7,11 @@
 //!                                         lane = row; solved; transposed back        gathered, solved, scattered
 //! ```
 //!
-//! Ropes, and other grids of very few lines, are solved one [line](crate::constraint::direct::lone_chain) at a time.
+//! Ropes, other grids of very few lines, and loose lines of torn grids are solved one [line](crate::constraint::direct::lone_chain) at a time.
 //!
 //! Design: `docs/design/line_solves.md`.
+
+use std::sync::Arc;
 
 use fearless_simd::Simd;
 
@@ -18,6 +20,7 @@ use crate::constraint::direct::chain::Chains;
 use crate::constraint::direct::grid_lines::{GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::direct::thread_friction;
+use crate::constraint::direct::torn_lines::TornLines;
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::CellColumn;
@@ -30,7 +33,7 @@ use crate::state::settings::StickProjection;
 use crate::state::substep::Substep;
 use crate::state::topology::Topology;
 
-/// Scratch of line solves. Only its memory outlives a solve, and only the list of slots the step.
+/// Scratch of line solves. Only its memory outlives a solve, and only lists of slots and gaps the step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineScratch {
     /// One for each thread that may be called.
@@ -41,14 +44,18 @@ pub(crate) struct LineScratch {
     slots: [Vec<u32>; 4],
     /// The grid for which it has room, and true if that has diagonals.
     made_for: Option<(RuledGrid, bool)>,
+    /// Gaps and loose lines, if the grid is torn.
+    torn: TornLines,
 }
 
 impl LineScratch {
     /// Makes room for the lines of a body.
-    pub fn reserve(&mut self, topology: &Topology) {
+    pub fn reserve(&mut self, topology: &Arc<Topology>) {
         let Some(grid) = RuledGrid::of(topology) else {
             return;
         };
+        self.torn.note(topology, grid);
+        grow(&mut self.lone, self.torn.longest());
         if self.bundles.is_empty() {
             self.bundles.push(BundleScratch::default());
         }
@@ -104,7 +111,7 @@ impl LineScratch {
     pub fn bytes(&self) -> usize {
         let slots = self.slots.iter().map(|slots| size_of_val(&**slots)).sum::<usize>();
         let bundles = self.bundles.iter().map(BundleScratch::bytes).sum::<usize>();
-        bundles + size_of_val(&*self.lone) + slots
+        bundles + size_of_val(&*self.lone) + slots + self.torn.bytes()
     }
 }
 
@@ -122,8 +129,9 @@ pub(crate) fn solve(
     };
     let length_ratio = particles.length_ratio(substep);
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
-    let position = &mut *particles.position.cells;
-    scratch.share(bundle::threads(workers.most(), position.len()));
+    // Particles without a place in a torn grid follow behind it.
+    let cells = grid.patches.map_or(particles.position.cells.len(), |patches| patches.width * patches.height);
+    scratch.share(bundle::threads(workers.most(), cells));
     for &(lines, mut solved) in lines {
         match &mut solved {
             Solved::Sticks(stick) => {
@@ -142,12 +150,17 @@ pub(crate) fn solve(
             Solved::Sticks(_) => None,
         };
         let (projection, isa) = (settings.projection, substep.isa);
+        let all = &mut *particles.position.cells;
+        if let Solved::Sticks(stick) = solved
+            && scratch.torn.loose(lines).next().is_some()
+        {
+            isa.run(LooseLines { lines, stick, projection, position: all, inverse_mass, scratch });
+        }
+        let position = &mut all[..cells];
         if let (Some(direction), Some(patches)) = (direction, grid.patches) {
-            BundleSolve { grid, patches, inverse_mass, rest, direction, solved, projection, isa }.solve(
-                position,
-                &mut scratch.bundles,
-                workers,
-            );
+            let gaps = scratch.torn.gaps(lines);
+            BundleSolve { grid, patches, inverse_mass, rest, gaps, direction, solved, projection, isa }
+                .solve(position, &mut scratch.bundles, workers);
         } else {
             isa.run(ScatteredLines {
                 lines,
@@ -162,6 +175,33 @@ pub(crate) fn solve(
         }
     }
     thread_friction::follow(body, substep.isa);
+}
+
+/// Lines of loose sticks in a torn grid.
+struct LooseLines<'a> {
+    lines: Lines,
+    stick: ElasticStick,
+    projection: StickProjection,
+    position: &'a mut [Cell],
+    inverse_mass: &'a [[f32; LANES]],
+    scratch: &'a mut LineScratch,
+}
+
+impl Kernel for LooseLines<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Self { lines, stick, projection, position, inverse_mass, scratch } = self;
+        let LineScratch { lone, torn, .. } = scratch;
+        for slots in torn.loose(lines) {
+            let mut chain = LoneChain { position, inverse_mass, slots, gaps: None };
+            match projection {
+                StickProjection::Exact => chain.solve(lone, stick, Exact),
+                StickProjection::SquareRootFree => chain.solve(lone, stick, SquareRootFree),
+            }
+        }
+    }
 }
 
 /// Lines that run through some of the lanes, and their particles.
@@ -202,12 +242,14 @@ impl ScatteredLines<'_> {
     #[inline(always)]
     fn lone(&mut self, stick: ElasticStick, projection: impl Projection) {
         let &mut Self { lines, grid, ref mut position, inverse_mass, ref mut scratch, .. } = self;
-        let LineScratch { lone, slots, .. } = &mut **scratch;
+        let LineScratch { lone, slots, torn, .. } = &mut **scratch;
         let (number, count) = lines.size(grid);
+        let gaps = torn.gaps(lines);
         for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
             let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
             let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
-            LoneChain { position, inverse_mass, slots }.solve(lone, stick, projection);
+            let gaps = gaps.map(|gaps| &gaps[line * count..][..count]);
+            LoneChain { position, inverse_mass, slots, gaps }.solve(lone, stick, projection);
         }
     }
 
@@ -216,7 +258,8 @@ impl ScatteredLines<'_> {
         let &mut Self { lines, solved, grid, ref mut position, inverse_mass, rest, ref mut scratch, .. } =
             self;
         let (number, count) = lines.size(grid);
-        let LineScratch { bundles, slots, .. } = &mut **scratch;
+        let LineScratch { bundles, slots, torn, .. } = &mut **scratch;
+        let gaps = torn.gaps(lines);
         let Some(bundle) = bundles.first_mut() else {
             return;
         };
@@ -241,7 +284,9 @@ impl ScatteredLines<'_> {
                     }
                 }
             }
-            let chains = Chains { position: CellColumn::new(gathered), inverse_mass: gathered_mass, count };
+            let gaps = gaps.map(|gaps| &gaps[first / side_by_side * count..][..count]);
+            let of_chains = CellColumn::new(gathered);
+            let chains = Chains { position: of_chains, inverse_mass: gathered_mass, count, gaps };
             // A diagonal belongs to one square alone.
             let is_side = matches!(lines, Lines::Rows | Lines::Columns);
             let is_edge = |lane| is_side && is_at_edge(first + lane, number);

@@ -1,12 +1,12 @@
 //! One chain in scalar code: the same as [`chain`](crate::constraint::direct::chain) in each of its lanes, to the bit.
-//! Ropes use it, as they have no other chains to fill the lanes.
+//! Ropes use it, and loose lines of torn grids, as they have no other chains to fill the lanes.
 //!
 //! Design: `docs/design/line_solves.md`.
 
 use glam::Vec3;
 
 use crate::constants::{CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT, TAUT};
-use crate::constraint::direct::chain::regulariser;
+use crate::constraint::direct::resistance::{eased_part, regulariser};
 use crate::constraint::projection::Projection;
 use crate::simd::columns::{Cell, LANES};
 use crate::state::membrane::ElasticStick;
@@ -36,6 +36,8 @@ pub(crate) struct LoneChain<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     pub slots: &'a [u32],
+    /// For each particle a number that is odd if it has no stick to the next one. None if all have theirs.
+    pub gaps: Option<&'a [u16]>,
 }
 
 impl LoneChain<'_> {
@@ -46,7 +48,7 @@ impl LoneChain<'_> {
             return;
         };
         let sticks = &mut sticks[..=count];
-        self.eliminate(sticks, stick);
+        let error = self.eliminate(sticks, stick);
         let [mut turn, tautness] = self.substitute(sticks);
         let is_taut = tautness > TAUT;
         if is_taut {
@@ -55,6 +57,8 @@ impl LoneChain<'_> {
         let limit = CHAIN_STEP * stick.rest;
         let is_too_long = turn > limit * limit;
         let part = if is_too_long { limit / turn.sqrt() } else { 1.0 };
+        let eased = eased_part(stick, error);
+        let part = part * eased;
         if is_taut {
             for (i, stick) in sticks.iter().enumerate() {
                 self.set_position(i, self.position(i) + stick.turn.step * part);
@@ -62,14 +66,18 @@ impl LoneChain<'_> {
         } else {
             self.apply(sticks, part);
         }
-        if is_too_long {
-            self.sweep(stick, projection);
+        if is_too_long || eased < 1.0 {
+            self.sweep(if is_too_long { 1.0 } else { 1.0 - eased }, stick, projection);
+        }
+        if eased < 1.0 {
+            self.sweep(1.0 - eased, stick, projection);
         }
     }
 
     #[inline(always)]
-    fn eliminate(&self, sticks: &mut [LoneStick], stick: ElasticStick) {
+    fn eliminate(&self, sticks: &mut [LoneStick], stick: ElasticStick) -> f32 {
         let (ElasticStick { rest, compliance }, regulariser) = (stick, regulariser(stick));
+        let mut greatest = 0.0_f32;
         let (mut a, mut wa) = (self.position(0), self.inverse_mass(0));
         let mut above = Vec3::ZERO;
         let (mut inverse_above, mut right_above) = (0.0, 0.0);
@@ -78,11 +86,13 @@ impl LoneChain<'_> {
             let delta = b - a;
             let length = delta.length_squared().sqrt();
             let weight = wa + wb;
-            let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+            let has_length = length > 0.0 && self.has_stick(i);
+            let scale = if has_length { 1.0 / length } else { 0.0 };
             let direction = delta * scale;
-            let error = if length > 0.0 && weight > LEAST_WEIGHT { length - rest } else { 0.0 };
+            let error = if has_length && weight > LEAST_WEIGHT { length - rest } else { 0.0 };
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
+            greatest = greatest.max(error);
             let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(LEAST_WEIGHT);
             let pivot = own - lower * upper_above;
             let inverse = 1.0 / pivot;
@@ -93,6 +103,7 @@ impl LoneChain<'_> {
             sticks[i] = LoneStick { scale, right, ..LoneStick::default() };
             (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
         }
+        greatest
     }
 
     #[inline(always)]
@@ -171,17 +182,29 @@ impl LoneChain<'_> {
     }
 
     #[inline(always)]
-    fn sweep(&mut self, ElasticStick { rest, compliance }: ElasticStick, projection: impl Projection) {
+    fn sweep(
+        &mut self,
+        part: f32,
+        ElasticStick { rest, compliance }: ElasticStick,
+        projection: impl Projection,
+    ) {
         let count = self.slots.len() - 1;
         for i in (0..count).step_by(2).chain((1..count).step_by(2)) {
             let (p, q) = (self.position(i), self.position(i + 1));
             let (wa, wb) = (self.inverse_mass(i), self.inverse_mass(i + 1));
             let delta = q - p;
             let weight = (wa + wb).max(LEAST_WEIGHT) + compliance;
-            let scale = projection.error(delta.length_squared(), rest) / weight;
+            let error = if self.has_stick(i) { projection.error(delta.length_squared(), rest) } else { 0.0 };
+            let scale = error * part / weight;
             self.set_position(i, p + delta * (scale * wa));
             self.set_position(i + 1, q - delta * (scale * wb));
         }
+    }
+
+    /// True if there is a stick from particle `i` to the next one.
+    #[inline(always)]
+    fn has_stick(&self, i: usize) -> bool {
+        self.gaps.is_none_or(|gaps| gaps[i] & 1 == 0)
     }
 
     #[inline(always)]
@@ -200,5 +223,39 @@ impl LoneChain<'_> {
     fn inverse_mass(&self, i: usize) -> f32 {
         let slot = self.slots[i] as usize;
         self.inverse_mass[slot / LANES][slot % LANES].min(GREATEST_INVERSE_MASS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraint::projection::Exact;
+
+    /// The width of a gap is no strain: both parts of the chain move as they do alone.
+    #[test]
+    fn a_chain_with_a_wide_gap_moves_as_its_two_parts() {
+        const COUNT: usize = 8;
+        let stick = ElasticStick { rest: 0.1, compliance: 0.0 };
+        let mut position = vec![Cell::default(); 1];
+        for i in 0..COUNT {
+            let beyond = if i < COUNT / 2 { 0.0 } else { 1.0 };
+            position[0].set(i, Vec3::new(0.104 * i as f32 + beyond, 0.01 * (i % 3) as f32, 0.0));
+        }
+        let inverse_mass = [[2.0; LANES]];
+        let slots: Vec<u32> = (0..COUNT as u32).collect();
+        let solved = |parts: &[&[u32]], gaps: Option<&[u16]>| {
+            let mut position = position.clone();
+            for slots in parts {
+                let mut chain =
+                    LoneChain { position: &mut position, inverse_mass: &inverse_mass, slots, gaps };
+                chain.solve(&mut [LoneStick::default(); COUNT], stick, Exact);
+            }
+            position
+        };
+        let gaps: Vec<u16> = (0..COUNT).map(|i| u16::from(i + 1 == COUNT / 2)).collect();
+        let (first, second) = slots.split_at(COUNT / 2);
+        let apart = solved(&[first, second], None);
+        assert!(apart != position, "something moves");
+        assert!(solved(&[&slots], Some(&gaps)) == apart);
     }
 }

@@ -8,5 +8,7 @@ pub(crate) mod chain;
 pub(crate) mod grid_lines;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
+mod resistance;
 pub(crate) mod taut_chain;
 pub(crate) mod thread_friction;
+mod torn_lines;
