@@ -16,11 +16,13 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a rotating capsule.
+/// Allocations in the second half of a shot at a curtain, whole and with a slit, over ground, in a sensor and beside a rotating capsule.
 #[test]
 fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
-        allocate_nothing(BodySettings { structural, ..BodySettings::default() });
+        for has_slit in [false, true] {
+            allocate_nothing(BodySettings { structural, ..BodySettings::default() }, has_slit);
+        }
     }
     // All cases are one test, as the count is that of the whole process.
     fold_allocating_nothing();
@@ -199,13 +201,18 @@ fn fold_allocating_nothing() {
     assert!(island.self_contact_counts().pairs > 0, "it must have come near itself");
 }
 
-fn allocate_nothing(settings: BodySettings) {
+fn allocate_nothing(settings: BodySettings, has_slit: bool) {
     let dt = 1.0 / 60.0;
-    let curtain = ClothBuilder::new(1.5, 1.5, 24, 24)
+    let mut curtain = ClothBuilder::new(1.5, 1.5, 24, 24)
         .placed(Vec3::new(-0.75, 1.2, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
         .build(settings)
         .expect("valid");
+    if has_slit {
+        let [near, far] = [-1.0, 1.0].map(|z| [-0.6, -0.3].map(|x| Vec3::new(x, 0.9, z)));
+        let blade = [[near[0], near[1], far[1]], [near[0], far[1], far[0]]];
+        curtain.cut(&blade).expect("can be cut").expect("opens");
+    }
     let mut island = Island::of_body(curtain);
     let shot = |z: f32| Ball::new(BallMaterial::default(), Vec3::new(0.1, 0.8, z), Vec3::NEG_Z * z * 8.0);
     island.balls.push(shot(2.0).expect("valid"));
