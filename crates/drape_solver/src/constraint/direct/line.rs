@@ -54,8 +54,9 @@ impl LineScratch {
         let Some(grid) = RuledGrid::of(topology) else {
             return;
         };
-        self.torn.note(topology, grid);
-        grow(&mut self.lone, self.torn.longest());
+        if self.torn.note(topology, grid) {
+            grow(&mut self.lone, self.torn.longest());
+        }
         if self.bundles.is_empty() {
             self.bundles.push(BundleScratch::default());
         }

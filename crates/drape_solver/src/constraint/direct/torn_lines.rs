@@ -41,10 +41,10 @@ struct TornDirection {
 }
 
 impl TornLines {
-    /// Lists gaps and loose lines, unless they are listed for this topology.
-    pub fn note(&mut self, topology: &Arc<Topology>, grid: RuledGrid) {
+    /// Lists gaps and loose lines, and returns true, unless they are listed for this topology.
+    pub fn note(&mut self, topology: &Arc<Topology>, grid: RuledGrid) -> bool {
         if core::ptr::eq(self.topology.as_ptr(), Arc::as_ptr(topology)) {
-            return;
+            return false;
         }
         self.topology = Arc::downgrade(topology);
         for (own, lines) in self.along.iter_mut().zip([Lines::Rows, Lines::Columns]) {
@@ -56,6 +56,7 @@ impl TornLines {
                 own.note_loose(topology, torn, grid, lines);
             }
         }
+        true
     }
 
     fn direction(&self, lines: Lines) -> Option<&TornDirection> {
