@@ -65,6 +65,29 @@ impl Specimen {
         (0..rows).map(mean).collect()
     }
 
+    /// The shear (sine of the angle) of the last squares at rest. The sides are bars of a frame that leans by the given sine,
+    /// the last row is a bar between them that the load pulls along.
+    fn shear_in_frame(&self, material: ClothMaterial, settings: BodySettings, lean: f32) -> f32 {
+        let [columns, rows] = self.particles;
+        let mut body = self.build(material, settings);
+        for row in 0..rows {
+            for column in 0..columns {
+                let i = self.index(column, row);
+                let at = body.particles.position(i);
+                let down = Vec3::new(lean, -(1.0 - lean * lean).sqrt(), 0.0);
+                body.particles.set_position(i, at.with_y(0.0) - at.y * down);
+                if row + 1 < rows && (column == 0 || column + 1 == columns) {
+                    body.particles.set_inverse_mass(i, 0.0);
+                }
+            }
+        }
+        let mut island = Island::of_body(body);
+        let gravity = self.load.normalize() * G;
+        run(&mut island, &Environment { dt: FRAME, gravity, ..Environment::default() }, 10.0);
+        let place = |row| island.bodies[0].particles.position(self.index(columns / 2, row));
+        (place(rows - 1) - place(rows - 2)).normalize().x
+    }
+
     /// The mean force for each metre that its own weight adds to the load.
     fn own_load(&self) -> f32 {
         let rows = self.particles[1];
@@ -117,6 +140,20 @@ fn a_sheared_strip_turns_by_its_load() {
             let expected = 0.05 + strip.own_load() / shear;
             let subject = format!("shear at {shear} N/m, {particles:?}");
             law(&subject, (way.x / -way.y).into(), expected.into(), 0.05);
+        }
+    }
+}
+
+/// The picture frame: bars clamp all edges of a square, with hinges at its corners. The shear of the cloth holds the bar that is pulled
+/// along where the frame leans as far as the load asks for.
+#[test]
+fn a_sheared_frame_leans_by_its_load() {
+    for shear in [5.0, 50.0, 500.0] {
+        for particles in [[9, 9], [17, 17], [33, 33]] {
+            let frame = Specimen { size: [0.2, 0.2], particles, load: Vec3::X * (0.05 * shear) };
+            let membrane = MembraneStiffness { warp: 1e5, weft: 1e5, shear };
+            let measured = frame.shear_in_frame(cloth(membrane), settings(Quality::High), 0.05);
+            law(&format!("shear in a frame at {shear} N/m, {particles:?}"), measured.into(), 0.05, 0.05);
         }
     }
 }
