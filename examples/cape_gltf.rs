@@ -50,9 +50,9 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
 /// Lets two wearers in when the file is there.
 fn enter(file: Res<AwaitedFile>, files: Res<Assets<Gltf>>, mut commands: Commands) {
     let Some(file) = files.get(&file.0) else { return };
-    for (animation, speed, x) in [(0, 1.5, -1.2_f32), (1, 5.0, 3.0)] {
+    for (animation, speed, x) in [("Walk", 1.5, -1.2_f32), ("Run", 5.0, 3.0)] {
         let place = Transform::from_xyz(x, 0.0, 0.0).looking_to(Vec3::NEG_Z * x, Vec3::Y);
-        let wearer = Wearer { speed, clip: file.animations[animation].clone() };
+        let wearer = Wearer { speed, clip: file.named_animations[animation].clone() };
         commands.spawn((WorldAssetRoot(file.scenes[0].clone()), wearer, place)).observe(dress).observe(play);
     }
     commands.remove_resource::<AwaitedFile>();
