@@ -215,7 +215,8 @@ def components():
 
 
 def export(invoke=False):
-    """Step 6: the file."""
+    """Step 6: the file. Animations are sampled from the pose."""
+    bpy.data.objects["Character"].data.pose_position = "POSE"
     with in_view():
         options = {name: True for name in ("export_apply", "export_attributes", "export_extras", "export_skins", "export_animations")}
         known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()

@@ -65,9 +65,9 @@ fn gltf_app() -> App {
 fn gltf_app_with(add: impl Fn(&mut App)) -> App {
     let mut app = app();
     let attributes = GltfPlugin::default()
-        .add_custom_vertex_attribute("_PINS", MeshVertexAttribute::new("Pins", 987, VertexFormat::Float32))
+        .add_custom_vertex_attribute("PINS", MeshVertexAttribute::new("Pins", 987, VertexFormat::Float32))
         .add_custom_vertex_attribute(
-            "_LIMITS",
+            "LIMITS",
             MeshVertexAttribute::new("Limits", 986, VertexFormat::Float32),
         );
     app.add_plugins((ImagePlugin::default(), WorldSerializationPlugin, attributes, AnimationPlugin))
@@ -197,6 +197,7 @@ fn a_cape_from_a_file_is_built_as_it_is_painted() {
 #[test]
 fn a_cape_that_blender_exported_is_worn_by_who_walks_and_by_who_runs() {
     let mut app = gltf_app();
+    app.world_mut().remove_resource::<Skin>();
     let file = File::load_with(&mut app, "models/cape_from_blender.glb", |_| ());
     for (name, clip, speed) in [("walks", &file.walk, 1.5), ("runs", &file.run, 5.0)] {
         let character = spawn(&mut app, &file.scene);
@@ -217,12 +218,16 @@ fn a_cape_that_blender_exported_is_worn_by_who_walks_and_by_who_runs() {
         assert_ne!(cape.paint, paint);
         cape.paint = paint;
         app.update();
+        has_no_refusal(&app);
         let again = particles(&app, character.cape);
         for i in 0..body.len() {
             assert_eq!(again.is_pinned(i), body.is_pinned(i), "particle {i}");
-            let limit = |body: &Particles| body.motion_limit(i).map(|(_, reach)| reach);
-            assert_eq!(limit(again), limit(&body), "particle {i}");
+            // Blender exports colours in 16 bits.
+            let limit = |body: &Particles| body.motion_limit(i).map_or(0.0, |(_, reach)| reach);
+            assert!((limit(again) - limit(&body)).abs() < 2e-5, "particle {i}");
         }
+        // It was built anew.
+        go(&mut app, &character, 60.0, DRESSING, speed);
         app.insert_resource(character.clone());
         app.insert_resource(Worst::default());
         let turned = go(&mut app, &character, 60.0, 8.0, speed);
@@ -238,6 +243,7 @@ fn a_cape_that_blender_exported_is_worn_by_who_walks_and_by_who_runs() {
 #[test]
 fn components_from_blender_dress_a_cape_by_themselves() {
     let mut app = gltf_app_with(|app| _ = app.add_plugins(SkeinPlugin::default()));
+    app.world_mut().remove_resource::<Skin>();
     let file = File::load_with(&mut app, "models/cape_from_blender.glb", |_| ());
     let root = app.world_mut().spawn((WorldAssetRoot(file.scene.clone()), MovedByFrame)).id();
     let character = spawned(&mut app, root);

@@ -113,10 +113,10 @@ impl Skin {
     }
 }
 
-/// At the end of each step.
+/// At the end of each step. Without a skin to compute them from, animated places and limits are those that the cape has.
 pub fn measure(
     character: Res<Character>,
-    skin: Res<Skin>,
+    skin: Option<Res<Skin>>,
     places: Query<&GlobalTransform>,
     capes: Query<(&Particles, &Sticks, &WeldedVertices, &Fabric, Option<&BodySurface>)>,
     obstacles: Query<&Obstacle>,
@@ -125,7 +125,17 @@ pub fn measure(
 ) {
     let Ok((particles, sticks, welded, fabric, surface)) = capes.get(character.cape) else { return };
     let place = |entity: Entity| places.get(entity).expect("placed").affine();
-    let posed = skin.posed(|joint| place(character.joints[joint]));
+    let animated: Vec<(usize, Vec3, f32)> = if let Some(skin) = skin {
+        let posed = skin.posed(|joint| place(character.joints[joint]));
+        let of_vertex = |vertex| {
+            let particle = welded.particle(vertex).expect("a corner");
+            (particle, posed[vertex], skin.limit(vertex) * FULL_DISTANCE)
+        };
+        (0..posed.len()).map(of_vertex).collect()
+    } else {
+        let limits = (0..particles.len()).map(|i| Some((i, particles.motion_limit(i)?)));
+        limits.flatten().map(|(i, (centre, reach))| (i, centre, reach)).collect()
+    };
     let thickness = surface.copied().unwrap_or(fabric.surface()).thickness;
     let capsules = character.capsules.iter().map(|&capsule| {
         let obstacle = obstacles.get(capsule).expect("a capsule");
@@ -134,11 +144,9 @@ pub fn measure(
     });
     let capsules: Vec<_> = capsules.collect();
     let mut deep = 0;
-    for (vertex, target) in posed.iter().enumerate() {
-        let i = welded.particle(vertex).expect("a corner");
+    for (i, target, limit) in animated {
         let position = particles.position(i);
-        let limit = skin.limit(vertex) * FULL_DISTANCE;
-        let off = position.distance(*target);
+        let off = position.distance(target);
         if particles.is_pinned(i) {
             worst.pin_error = worst.pin_error.max(off);
             continue;
