@@ -22,6 +22,8 @@ pub struct Obstacle {
     pub(super) before: Placement,
     /// Box of all places on the way between the two: the broad phase asks for it several times a step.
     swept_bounds: (Vec3, Vec3),
+    /// A distance within which no point is farther from the origin of the shape.
+    radius: f32,
     friction: Friction,
     friction_rule: CombineRule,
     restitution: f32,
@@ -46,7 +48,9 @@ impl Obstacle {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
         let friction = Friction::new(friction, friction);
-        let obstacle = Self { shape, placement, before: placement, friction, ..Self::ground() };
+        let (low, high) = shape.local_bounds();
+        let radius = low.abs().max(high.abs()).length();
+        let obstacle = Self { shape, placement, before: placement, radius, friction, ..Self::ground() };
         Ok(Self { swept_bounds: obstacle.bounds_on_its_way(), ..obstacle })
     }
 
@@ -57,6 +61,7 @@ impl Obstacle {
             placement: Placement::default(),
             before: Placement::default(),
             swept_bounds: EVERYWHERE,
+            radius: f32::INFINITY,
             friction: Friction::new(0.5, 0.5),
             friction_rule: CombineRule::default(),
             restitution: 0.0,
@@ -245,8 +250,7 @@ impl Obstacle {
     /// A distance in metres within which no point of the obstacle is farther from the origin of its shape; infinite for
     /// some shapes.
     pub fn radius(&self) -> f32 {
-        let (low, high) = self.shape.local_bounds();
-        low.abs().max(high.abs()).length()
+        self.radius
     }
 
     /// The placement at which a move to another one starts.
