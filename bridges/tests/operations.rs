@@ -2,6 +2,7 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
+use bevy_drape::drape_solver::splitmix::SplitMix64;
 use bevy_drape::prelude::*;
 
 use crate::engine::*;
@@ -13,15 +14,12 @@ const PER_STEP: usize = 4;
 /// Bodies, and cloths, that are there at once.
 const MOST: usize = 12;
 
-/// Numbers that look random and are the same each time (`SplitMix64`).
-struct Dice(u64);
+/// Numbers that look random and are the same each time.
+struct Dice(SplitMix64);
 
 impl Dice {
     fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % count as u64) as usize
+        (self.0.bits() % count as u64) as usize
     }
 
     /// From -reach to reach.
@@ -172,7 +170,7 @@ fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
 fn a_thousand_random_operations_leave_a_sound_world() {
     let mut app = app();
     ground(&mut app);
-    let (mut made, mut dice) = (Made::default(), Dice(21));
+    let (mut made, mut dice) = (Made::default(), Dice(SplitMix64(21)));
     for number in 0..OPERATIONS {
         operate(&mut app, &mut made, &mut dice);
         if number % PER_STEP == 0 {

@@ -190,7 +190,7 @@ fn ten_thousand_random_gestures_break_nothing() {
     app.init_resource::<Pieces>().add_observer(note_pieces);
     app.world_mut().spawn(Obstacle::sphere(0.4));
     let before = app.world().entities().count_spawned();
-    let mut dice = Dice(6);
+    let mut dice = Dice::new(6);
     let mut things = Vec::new();
     let mut came_off = 0;
     for turn in 0..OPERATIONS / PER_STEP {

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::attach::Grab;
 use bevy_drape::ball::ProjectileState;
 use bevy_drape::body::StructuralSolve;
+use bevy_drape::drape_solver::splitmix::SplitMix64;
 use bevy_drape::prelude::*;
 use bevy_drape::sleep::SceneManager;
 
@@ -15,24 +16,21 @@ const PER_STEP: usize = 4;
 /// Things that are there at once.
 const MOST: usize = 12;
 
-/// Numbers that look random and are the same each time (`SplitMix64`).
-pub struct Dice(pub u64);
+/// Numbers that look random and are the same each time.
+pub struct Dice(SplitMix64);
 
 impl Dice {
-    fn number(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64(seed))
     }
 
     pub fn below(&mut self, count: usize) -> usize {
-        (self.number() % count as u64) as usize
+        (self.0.bits() % count as u64) as usize
     }
 
     /// From -reach to reach.
     pub fn about(&mut self, reach: f32) -> f32 {
-        ((self.number() >> 40) as f32 / (1 << 23) as f32 - 1.0) * reach
+        self.0.signed() * reach
     }
 
     pub fn vector(&mut self, reach: f32) -> Vec3 {
@@ -199,7 +197,7 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
 fn ten_thousand_random_edits_break_nothing() {
     let mut app = app();
     let before = app.world().entities().count_spawned();
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     let mut things = Vec::new();
     let mut fastest = 0.0_f32;
     for turn in 0..OPERATIONS / PER_STEP {

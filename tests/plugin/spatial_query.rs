@@ -69,7 +69,7 @@ fn rays_through_folds_hit_what_casts_on_each_body_hit() {
         world.spawn((SoftBall::new(0.3), thick(), Transform::from_xyz(-0.3, 0.4, 0.3))).id(),
     ];
     run(&mut app, 0.4);
-    let mut dice = Dice(21);
+    let mut dice = Dice::new(21);
     let mut hits = [0; 4];
     for _ in 0..3000 {
         let (from, to) = (dice.vector(3.0), dice.vector(0.6));
@@ -189,7 +189,7 @@ fn the_filter_leaves_out_layers_entities_and_what_the_predicate_refuses() {
 #[test]
 fn the_nearest_point_is_that_of_a_square_or_of_a_capsule() {
     let (mut app, [front, _, rope]) = scene();
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     for _ in 0..500 {
         let point = dice.vector(0.9).with_z(dice.about(0.4).abs());
         let on_square = point.clamp(Vec3::new(-0.5, -0.5, 0.0), Vec3::new(0.5, 0.5, 0.0));
@@ -284,7 +284,7 @@ fn a_sphere_cast_at_folds_ends_where_the_nearest_point_is_its_radius_away() {
     app.world_mut().spawn((curtain(), thick()));
     app.world_mut().spawn((Rope::new(Vec3::new(-0.6, 0.2, 0.4), Vec3::new(0.6, 0.2, 0.4), 30), thick()));
     run(&mut app, 0.4);
-    let mut dice = Dice(8);
+    let mut dice = Dice::new(8);
     let (mut hits, mut misses) = (0, 0);
     for _ in 0..1000 {
         let (from, to, radius) = (dice.vector(1.5), dice.vector(1.0), dice.of(&[0.001, 0.03, 0.3]));
@@ -314,7 +314,7 @@ fn a_sphere_cast_at_folds_ends_where_the_nearest_point_is_its_radius_away() {
 #[test]
 fn a_sphere_without_a_radius_hits_what_a_ray_hits() {
     let (mut app, _) = scene();
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     for _ in 0..300 {
         let (from, to) = (dice.vector(2.0).with_z(1.5), dice.vector(0.6));
         let ray = Ray3d::new(from, Dir3::new(to - from).expect("a length"));

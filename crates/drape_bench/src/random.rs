@@ -1,29 +1,24 @@
 //! Random numbers that are equal on every machine.
 
-/// Splitmix64: one multiplication chain over a counter.
-pub struct Random(u64);
+use drape_solver::splitmix::SplitMix64;
+
+/// Random numbers in the forms that scenes and experiments need.
+pub struct Random(SplitMix64);
 
 impl Random {
     /// A generator that starts at `seed`.
     pub fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(SplitMix64(seed))
     }
 
     /// A generator for item `index` of `seed`, unrelated to those of other items.
     pub fn of_index(seed: u64, index: u64) -> Self {
-        Self(Self::new(seed).next() ^ Self::new(!index).next())
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        Self::new(SplitMix64(seed).bits() ^ SplitMix64(!index).bits())
     }
 
     /// Evenly spread over -1..1.
     pub fn either_side(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * self.0.unit() - 1.0
     }
 
     /// Evenly spread over `low`..`high`.
@@ -35,7 +30,7 @@ impl Random {
     pub fn permutation(&mut self, count: u32) -> Vec<u32> {
         let mut order: Vec<u32> = (0..count).collect();
         for i in (1..order.len()).rev() {
-            order.swap(i, (self.next() % (i as u64 + 1)) as usize);
+            order.swap(i, (self.0.bits() % (i as u64 + 1)) as usize);
         }
         order
     }

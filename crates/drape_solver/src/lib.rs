@@ -22,6 +22,7 @@
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
 //! union_find   groups of what hangs together
+//! splitmix     numbers that look random
 //! error        typed errors
 //! constants    tolerances, bounds and tuning constants, with units and reasons
 //! ```
@@ -42,6 +43,7 @@ pub mod parallel;
 #[cfg(test)]
 mod random;
 pub mod simd;
+pub mod splitmix;
 pub(crate) mod stages;
 pub mod state;
 pub mod step;

@@ -4,15 +4,13 @@ use core::iter::Sum;
 use core::ops::{Div, Mul, Range, Sub};
 
 use crate::simd::columns::LANES;
+use crate::splitmix::SplitMix64;
 use crate::state::stick_list::{ListedBatch, ListedSticks};
 
 /// Numbers from -1 to 1 that look random.
 pub(crate) fn dice(seed: u64) -> impl FnMut() -> f32 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
+    let mut random = SplitMix64(seed);
+    move || random.signed()
 }
 
 /// Batches of sticks between `count` particles, with each of `steps` as the distance between the ends; no two sticks of a batch

@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{StepError, finite_vector, in_range, positive};
 use crate::geometry::pose::{Placement, Pose};
+use crate::splitmix::SplitMix64;
 
 /// A wind that pushes on faces, and on the links of ropes.
 ///
@@ -128,8 +129,8 @@ impl Turbulence {
         let mut length = f64::from(self.length);
         let speed = f64::from(self.speed) * (2.0 / WAVES as f64).sqrt();
         core::array::from_fn(|_| {
-            let along = random.direction();
-            let across = along.cross(random.direction());
+            let along = direction(&mut random);
+            let across = along.cross(direction(&mut random));
             let number = along * (TAU / length);
             let wave = Wave {
                 number,
@@ -144,24 +145,11 @@ impl Turbulence {
     }
 }
 
-/// Pseudorandom numbers from a seed (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A unit vector, all directions alike.
-    fn direction(&mut self) -> DVec3 {
-        let (height, angle) = (2.0 * self.unit() - 1.0, TAU * self.unit());
-        let across = (1.0 - height * height).max(0.0).sqrt();
-        DVec3::new(across * libm::cos(angle), across * libm::sin(angle), height)
-    }
+/// A unit vector, all directions alike.
+fn direction(random: &mut SplitMix64) -> DVec3 {
+    let (height, angle) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+    let across = (1.0 - height * height).max(0.0).sqrt();
+    DVec3::new(across * libm::cos(angle), across * libm::sin(angle), height)
 }
 
 /// A place with a wind of its own, on top of that which blows everywhere: a fan, a draught, an explosion.

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec3;
 
+use crate::splitmix::SplitMix64;
 use crate::state::topology::Topology;
 use crate::tearing::blade::weights_at;
 
@@ -207,16 +208,11 @@ impl<'a> TearLine<'a> {
         Some([along, normal.cross(along)])
     }
 
-    /// A number from -1 to 1 that is always the same for an edge of the body, or a particle (`SplitMix64`, Steele et al. 2014).
+    /// A number from -1 to 1 that is always the same for an edge of the body, or a particle.
     fn random(&self, [a, b]: [u32; 2], place: u64) -> f32 {
-        let mut bits = u64::from(a) << 32 | u64::from(b);
-        for next in [self.seed, place] {
-            bits = bits.wrapping_add(next.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-            bits ^= bits >> 31;
-        }
-        (bits >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+        let of_edge = SplitMix64(u64::from(a) << 32 | u64::from(b)).bits();
+        let of_body = SplitMix64(of_edge ^ self.seed).bits();
+        SplitMix64(of_body ^ place).signed()
     }
 }
 

@@ -144,7 +144,7 @@ fn a_ball_does_not_bounce() {
 fn balls_stay_inside_the_box() {
     let walls = obstacle(Shape::Container { half_extents: Vec3::ONE }, Vec3::ZERO, 0.3);
     let environment = Environment { obstacles: vec![walls].into(), ..gravity(FRAME) };
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     let mut island = Island::default();
     for k in 0..8 {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32) - 0.5;

@@ -214,7 +214,7 @@ fn a_curved_mesh_pressed_flat_stays_where_it_is() {
     let material = ClothMaterial { stretch_stiffness: 0.0, ..limp(BendingRigidity::isotropic(1e-3)) };
     let mesh = MeshClothBuilder::new(curved, faces).material(material);
     let mut body = mesh.build(settings(Quality::High)).expect("valid");
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     for i in 0..body.particles.len() {
         let flat = body.particles.position(i) * Vec3::new(1.0, 0.0, 1.0);
         body.particles.set_position(i, flat + Vec3::Y * dice.about(1e-7));

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::splitmix::SplitMix64;
 use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island,
@@ -229,17 +230,17 @@ pub fn centre_of_mass(particles: &Particles) -> DVec3 {
     moment / mass
 }
 
-/// Pseudorandom numbers from 0 to 1, the same in every run (`SplitMix64`).
-pub struct Dice(pub u64);
+/// Pseudorandom numbers from a seed, the same in every run.
+pub struct Dice(SplitMix64);
 
 impl Dice {
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64(seed))
+    }
+
     /// The next number from 0 to 1.
     pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
+        (self.0.bits() >> 40) as f32 / (1 << 24) as f32
     }
 
     /// A number from `-half` to `half`.
@@ -403,7 +404,7 @@ pub fn crossings(island: &Island) -> usize {
 
 /// Displaces every free particle at random by up to `most` metres along each axis.
 pub fn shake(body: &mut Body, most: f32, seed: u64) {
-    let mut dice = Dice(seed);
+    let mut dice = Dice::new(seed);
     for i in 0..body.particles.len() {
         if !body.particles.is_pinned(i) {
             let moved = body.particles.position(i) + dice.vector(most);

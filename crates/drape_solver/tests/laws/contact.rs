@@ -104,7 +104,7 @@ fn cloth_keeps_its_thickness() {
 /// S5: componentwise min and max confine particles, also at edges and corners.
 #[test]
 fn the_box_is_componentwise_min_and_max() {
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     let (mut starts, mut velocities) = (Vec::new(), Vec::new());
     for _ in 0..200 {
         starts.push(dice.vector(480.0) + 500.0);
@@ -154,7 +154,7 @@ fn the_box_takes_in_what_starts_outside() {
 /// S5: the founding scene: particles with random velocities under gravity stay in the box and end on its floor.
 #[test]
 fn particles_in_the_box_never_leave_it_and_settle_on_its_floor() {
-    let mut dice = Dice(55);
+    let mut dice = Dice::new(55);
     let starts: Vec<Vec3> = (0..100).map(|_| dice.vector(500.0) + 500.0).collect();
     let mut body = loose(&starts, BodySettings { drag: 0.603, ..bare() });
     for i in 0..100 {
@@ -171,7 +171,7 @@ fn particles_in_the_box_never_leave_it_and_settle_on_its_floor() {
 /// S12: two particles, a stick of rest length 100 and the box of S5: both constraints hold after relaxation.
 #[test]
 fn the_stick_and_the_box_hold_together() {
-    let mut dice = Dice(12);
+    let mut dice = Dice::new(12);
     for case in 0..50 {
         // A stretched or compressed stick flies outwards near or beyond a wall, an edge or a corner.
         let middle = Vec3::new(dice.unit(), dice.unit(), dice.unit()).round() * 1000.0 + dice.vector(60.0);

@@ -23,7 +23,7 @@ fn sheet(columns: u32, rows: u32, is_mesh: bool) -> Body {
     if !is_mesh {
         return grid;
     }
-    let mut dice = Dice(columns.into());
+    let mut dice = Dice::new(columns.into());
     let places = grid.particles.positions().map(|place| {
         let is_rim = place.abs().max_element() > 0.499;
         if is_rim { place } else { place + dice.vector(0.3 / columns as f32).with_z(0.0) }
@@ -43,7 +43,7 @@ fn along(from: Vec3, to: Vec3, place: DVec3) -> [f64; 2] {
 /// drawn is a surface, and area, mass and momentum stay.
 #[test]
 fn a_thousand_strokes_end_on_the_blade_and_lose_nothing() {
-    let mut dice = Dice(7);
+    let mut dice = Dice::new(7);
     let mut farthest = 0.0_f64;
     for (columns, rows, is_mesh, strokes) in [
         (40, 33, false, 300),
@@ -183,7 +183,7 @@ fn turned(mut triangles: Vec<[Vec3; 3]>) -> Vec<[Vec3; 3]> {
 /// Crooked paths from rim to rim part a sheet in two, in one cut or in many, and in any order of the blade's triangles.
 #[test]
 fn any_path_from_rim_to_rim_parts_a_sheet_in_two() {
-    let mut dice = Dice(11);
+    let mut dice = Dice::new(11);
     for round in 0..160 {
         let (columns, rows) = [(20, 17), (6, 6), (9, 12)][round % 3];
         let whole = sheet(columns, rows, round % 2 == 1);
@@ -246,7 +246,7 @@ fn a_stroke_goes_on_after_another_has_crossed_its_way() {
 /// A blade of two sides, each triangle twice, cuts as one of one side; so do two that stop in one face, crossed by a third.
 #[test]
 fn a_blade_of_two_sides_cuts_once() {
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     for _ in 0..40 {
         let mut body = sheet(12, 9, false);
         let [from, to] = [-0.7, 0.7].map(|x| Vec3::new(x, dice.about(0.4), 0.0));

@@ -38,7 +38,7 @@ fn sheets(material: ClothMaterial) -> [(&'static str, Body); 3] {
 #[test]
 fn damping_takes_energy_and_keeps_momentum_however_sticks_are_stored() {
     let end = |mut body: Body, name: &str| {
-        let mut dice = Dice(3);
+        let mut dice = Dice::new(3);
         (0..body.particles.len()).for_each(|i| body.particles.set_velocity(i, dice.vector(1.0)));
         let mut island = Island::of_body(body);
         let [before, turning] = [momentum(&island), angular_momentum(&island)];

@@ -261,7 +261,7 @@ fn a_free_cloth_keeps_its_momentum() {
 
 /// Gives the particles of a free body velocities all over the place, and asserts that it keeps its momentum.
 pub fn assert_tangle_keeps_momentum(mut body: Body, what: &str) {
-    let mut dice = Dice(7);
+    let mut dice = Dice::new(7);
     for i in 0..body.particles.len() {
         body.particles.set_velocity(i, dice.vector(1.0) + Vec3::X);
     }
@@ -414,7 +414,7 @@ fn lines_may_come_and_go() {
 #[test]
 fn pins_and_masses_of_all_kinds_stay_finite() {
     for (columns, rows) in [(20_u32, 20), (52, 30)] {
-        let mut dice = Dice(u64::from(columns));
+        let mut dice = Dice::new(u64::from(columns));
         let mut body = ClothBuilder::new(1.0, 1.0, columns, rows).pin(0).build(lines(4, 1)).expect("valid");
         for i in 0..body.particles.len() {
             let kind = dice.unit();

@@ -24,7 +24,7 @@ struct Mesh {
 
 /// `side` x `side` vertices over 2 m x 2 m, displaced at random; each square is two triangles.
 fn mesh(side: u32) -> Mesh {
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     let spacing = 2.0 / (side - 1) as f32;
     let at = |column: u32, row: u32| row * side + column;
     let cells = |columns: u32, rows: u32| (0..rows).flat_map(move |row| (0..columns).map(move |c| (c, row)));
@@ -56,7 +56,7 @@ fn numbered(mesh: &Mesh, new: &[u32]) -> Mesh {
 }
 
 fn shuffled(count: usize) -> Vec<u32> {
-    let mut dice = Dice(9);
+    let mut dice = Dice::new(9);
     let mut order: Vec<u32> = (0..count as u32).collect();
     for i in (1..count).rev() {
         order.swap(i, (dice.unit() * (i + 1) as f32) as usize);
@@ -205,7 +205,7 @@ fn a_free_mesh_keeps_its_momentum() {
     let mesh = numbered(&mesh(30), &shuffled(900));
     let settings = BodySettings { substeps: 4, iterations: 2, ..bare() };
     let mut body = body(&mesh, |i| 200.0 + (i % 7) as f32 * 100.0, settings);
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     (0..900).for_each(|i| body.particles.set_velocity(i, Vec3::X + dice.vector(0.5)));
     let mut island = Island::of_body(body);
     let before = momentum(&island);
@@ -275,7 +275,7 @@ proptest! {
         ends in proptest::collection::vec((any::<u32>(), any::<u32>()), 1..2000),
         nearby in any::<bool>(),
     ) {
-        let mut dice = Dice(u64::from(count));
+        let mut dice = Dice::new(u64::from(count));
         let positions: Vec<Vec3> = (0..count).map(|_| dice.vector(1.0)).collect();
         let mut sticks: Vec<[u32; 2]> = ends
             .into_iter()

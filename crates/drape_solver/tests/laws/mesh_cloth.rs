@@ -41,7 +41,7 @@ fn soup((positions, faces): &Mesh) -> Mesh {
 
 /// The same triangles with shuffled vertices, some of them duplicated.
 fn shuffled((positions, faces): &Mesh) -> Mesh {
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     let mut places: Vec<Vec3> = positions.iter().chain(positions).copied().collect();
     let mut numbers: Vec<usize> = (0..places.len()).collect();
     for i in (1..places.len()).rev() {
@@ -162,7 +162,7 @@ fn the_drape_is_the_same_whichever_way_vertices_are_split() {
 #[test]
 fn vertices_that_almost_meet_are_welded_as_far_apart_as_is_asked() {
     let (mut positions, faces) = soup(&tube(8, 2));
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     positions.iter_mut().for_each(|position| *position += dice.vector(1e-3));
     let count = |builder: MeshClothBuilder| builder.build_parts().expect("a mesh").particles.len();
     assert_eq!(count(builder((positions.clone(), faces.clone()))), positions.len());

@@ -96,7 +96,7 @@ fn a_random_tangle_never_explodes() {
         let most = |self_contact| {
             let settings = BodySettings { drag: 0.0, ..settings(self_contact) };
             let mut sheet = on_edge(13, settings);
-            let mut dice = Dice(seed);
+            let mut dice = Dice::new(seed);
             for i in 0..sheet.particles.len() {
                 sheet.particles.set_position(i, sheet.particles.position(i) + dice.vector(0.15));
             }

@@ -56,7 +56,7 @@ fn gaps(island: &Island) -> Vec<f64> {
 
 /// Six sheets, which fall on the ground one on another, turned at random.
 fn pile() -> Island {
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     let bodies = (0..6).map(|k| level(0.02 + 0.04 * k as f32, 3.0 * dice.unit()));
     let mut island = Island { bodies: bodies.collect(), ..Island::default() };
     run(&mut island, &over_ground(), 2.0);

@@ -72,7 +72,7 @@ fn a_curtain_in_a_storm_stays_within_its_length_of_its_pins() {
     let curtain = ClothBuilder::new(1.0, 1.0, 16, 16).pin_edge(Edge::Top).build(BodySettings::default());
     let mut island = Island::of_body(curtain.expect("valid"));
     let mut environment = gravity(FRAME);
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     for _ in 0..300 {
         environment.wind = drape_solver::Wind::new(dice.vector(60.0));
         run(&mut island, &environment, FRAME);

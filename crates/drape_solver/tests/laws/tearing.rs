@@ -47,7 +47,7 @@ fn assert_joined_well(body: &Body) {
 /// area, and mass and momentum are the same to 1e-5.
 #[test]
 fn a_thousand_cuts_and_tears_leave_manifold_pieces_of_the_same_mass_and_momentum() {
-    let (mut dice, mut cuts) = (Dice(1), 0);
+    let (mut dice, mut cuts) = (Dice::new(1), 0);
     let bodies = [
         (sheet(40, 33), 400),
         (sheet(20, 17), 250),

@@ -31,7 +31,7 @@ fn a_slit_releases_the_tethers_that_it_crosses() {
 /// Pieces of a smaller grid had lost the tethers of its last cells.
 #[test]
 fn tethers_stay_but_for_those_that_a_stroke_crosses() {
-    let (mut dice, mut kept, mut gone) = (Dice(5), 0, 0);
+    let (mut dice, mut kept, mut gone) = (Dice::new(5), 0, 0);
     for (columns, rows) in [(40, 33), (20, 17), (4, 60), (32, 32), (21, 21)] {
         for round in 0..30 {
             let mut body = ClothBuilder::new(1.0, 1.0, columns, rows)

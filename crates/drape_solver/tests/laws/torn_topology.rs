@@ -65,7 +65,7 @@ fn first_difference(a: &Topology, b: &Topology) -> String {
 /// snapshot takes the same steps.
 #[test]
 fn what_tears_and_cuts_make_comes_back_from_its_numbers() {
-    let mut dice = Dice(11);
+    let mut dice = Dice::new(11);
     let whole = [
         sheet(40, 33, false),
         sheet(20, 17, false),

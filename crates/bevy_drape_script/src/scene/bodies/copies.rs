@@ -1,6 +1,7 @@
 //! Arrays of equal things.
 
 use bevy::prelude::*;
+use drape_solver::splitmix::SplitMix64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,19 +42,11 @@ impl Copies {
     pub fn offsets(&self, seed: u64) -> impl Iterator<Item = Vec3> + '_ {
         let (x, y, z) = self.count;
         let middle = (UVec3::new(x.get(), y.get(), z.get()).as_vec3() - 1.0) * 0.5;
-        let mut state = seed;
-        let mut random = move || {
-            // SplitMix64 (Steele et al. 2014), its upper 24 bits as a number from -1 to 1.
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut bits = state;
-            bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((bits ^ (bits >> 31)) >> 40) as f32 / (1_u32 << 23) as f32 - 1.0
-        };
+        let mut random = SplitMix64(seed);
         (0..self.total()).map(move |index| {
             let place =
                 UVec3::new(index % x.get(), index / x.get() % y.get(), index / (x.get() * y.get())).as_vec3();
-            let scatter = Vec3::new(random(), random(), random()) * self.scatter.get();
+            let scatter = Vec3::new(random.signed(), random.signed(), random.signed()) * self.scatter.get();
             (place - middle) * self.spacing.get() + scatter
         })
     }
