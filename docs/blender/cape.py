@@ -279,6 +279,8 @@ def tick(waits=steps()):
 
 if bpy.app.background:
     run_all()
+    # Blender as a module may crash when Python ends.
+    os._exit(0)
 else:
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
