@@ -1,4 +1,4 @@
-"""Follows the steps of `docs/blender.md` in Blender 3.4 or newer: from an empty file to a character with a cape.
+"""Takes the steps of `docs/blender.md` in Blender 3.4 or 4.2: from an empty file to a character with a cape.
 
 `blender --factory-startup --python docs/blender/cape.py -- FOLDER` writes `cape.glb` to the folder, and a picture of the window after
 each step; with `--background` it writes the file only. `.ci/blender` runs it.
@@ -26,7 +26,7 @@ FOLDER = pathlib.Path(sys.argv[sys.argv.index("--") + 1])
 COLUMNS, ROWS = 13, 23
 COLLAR, FALL, HALF_WIDTH, WIDER = 1.46, 0.95, 0.19, 0.16
 
-# The bones that carry it.
+# The bones that carry the cape.
 CARRIERS = ["hips", "spine", "chest", "left thigh", "right thigh"]
 
 # The programs that move the mouse.
@@ -43,11 +43,12 @@ def in_view(kind="VIEW_3D"):
     return bpy.context.temp_override(window=window, area=area, region=region)
 
 
-def look(distance, height, azimuth=-0.55):
+def look(distance, height, azimuth=-0.55, wires=False):
     """Looks at the back of the character from a distance in metres."""
     if bpy.app.background:
         return
     with in_view():
+        bpy.context.space_data.overlay.show_wireframes = wires
         region = bpy.context.space_data.region_3d
         region.view_perspective = "PERSP"
         region.view_rotation = Euler((1.35, 0.0, azimuth)).to_quaternion()
@@ -64,6 +65,11 @@ def show_properties(tab):
 def mouse(*words):
     """Moves the mouse, and presses its buttons and keys of the keyboard: the language of `xdotool`."""
     MOUSE.append(subprocess.Popen(["xdotool", *map(str, words)]))
+
+
+def is_collar(vertex):
+    """True for the top row of the cape."""
+    return COLLAR - vertex.co.z < 1e-3
 
 
 def select(*names):
@@ -94,7 +100,7 @@ def character():
     # Animations are exported frame by frame.
     bpy.context.scene.render.fps = 30
     with in_view():
-        bpy.ops.import_scene.gltf(filepath=str(ROOT / "assets/models/cape.glb"), bone_heuristic="FORTUNE")
+        bpy.ops.import_scene.gltf(filepath=str(ROOT / "assets/models/cape.glb"), bone_heuristic="TEMPERANCE")
     bpy.data.meshes.remove(bpy.data.objects["Cape"].data)
     bpy.data.materials.remove(bpy.data.materials["cloth"])
     bpy.data.objects["Character"].data.pose_position = "REST"
@@ -102,7 +108,7 @@ def character():
         helper.hide_set(helper.name not in ("Character", "Figure"))
     with in_view():
         select("Character")
-    look(3.3, 0.9)
+    look(2.7, 0.9)
 
 
 def grid():
@@ -120,13 +126,17 @@ def grid():
         cape = bpy.context.active_object
         cape.name = cape.data.name = "Cape"
         cape.scale = (2 * HALF_WIDTH, FALL, 1.0)
-    look(2.2, 0.95)
+    look(2.2, 0.95, wires=True)
 
 
 def shape():
     """Step 3: a wider hem that stands off, and applied transforms."""
     cape = bpy.data.objects["Cape"]
+    look(2.2, 0.95, azimuth=-1.2)
     with in_view():
+        if not bpy.app.background:
+            # The panel of the grid.
+            bpy.context.space_data.show_region_hud = False
         bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
         bpy.ops.object.shade_smooth()
     for vertex in cape.data.vertices:
@@ -143,7 +153,8 @@ def shape():
 
 
 def weights():
-    """Step 4: the cape's parent is the armature."""
+    """Step 4: the cape's parent is the armature, and the chest alone carries the collar."""
+    look(2.2, 0.95)
     with in_view():
         bpy.ops.object.mode_set(mode="OBJECT")
         select("Cape", "Character")
@@ -154,6 +165,10 @@ def weights():
         for group in [group for group in groups if group.name not in CARRIERS]:
             groups.remove(group)
         bpy.ops.object.vertex_group_normalize_all(lock_active=False)
+        collar = [vertex.index for vertex in bpy.data.objects["Cape"].data.vertices if is_collar(vertex)]
+        for group in groups:
+            group.remove(collar)
+        groups["chest"].add(collar, 1.0, "REPLACE")
         groups.active_index = groups["chest"].index
     for vertex in bpy.data.objects["Cape"].data.vertices:
         assert sum(group.weight for group in vertex.groups) > 0.99, "a vertex without weights"
@@ -167,27 +182,28 @@ def paint():
     colours = mesh.color_attributes.new("Color", "FLOAT_COLOR", "POINT")
     for vertex in mesh.vertices:
         down = (COLLAR - vertex.co.z) / FALL
-        colours.data[vertex.index].color = (1.0 if down < 1e-3 else 0.0, down, 0.0, 1.0)
+        colours.data[vertex.index].color = (float(is_collar(vertex)), down, 0.0, 1.0)
     with in_view():
         bpy.ops.object.mode_set(mode="VERTEX_PAINT")
 
 
 def paint_from_groups():
     """The other way to step 5: the script of the page takes the same paint from vertex groups."""
-    with in_view():
-        bpy.ops.object.mode_set(mode="OBJECT")
     cape = bpy.data.objects["Cape"]
     painted = [tuple(value.color) for value in cape.data.color_attributes["Color"].data]
     cape.data.color_attributes.remove(cape.data.color_attributes["Color"])
+    cape.data.color_attributes.new("Tint", "FLOAT_COLOR", "POINT")
     groups = [cape.vertex_groups.new(name=name) for name in ("pins", "limits")]
     for index, colour in enumerate(painted):
         for group, value in zip(groups, colour):
             group.add([index], value, "REPLACE")
     page = (ROOT / "docs/blender.md").read_text()
     script = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
-    exec(compile(script, "docs/blender.md", "exec"), {})
+    with in_view():
+        exec(compile(script, "docs/blender.md", "exec"), {})
     again = [tuple(value.color) for value in cape.data.color_attributes["Color"].data]
     assert numpy.allclose(painted, again, atol=1e-6), "the script paints otherwise"
+    cape.data.color_attributes.remove(cape.data.color_attributes["Tint"])
     for group in groups:
         cape.vertex_groups.remove(group)
 
@@ -202,7 +218,7 @@ def attributes():
 
 
 def components():
-    """Components of Bevy, as the add-on of Skein stores them: in the custom properties of meshes."""
+    """Components of Bevy in the extras of meshes, where Skein's extension of Blender would write them."""
     cloth = {"paint": {"max_distance": "Green", "full_distance": 0.7}}
     fabric = {"areal_density": 0.3, "drag": 1.0, "thickness": 0.01}
     bpy.data.objects["Cape"].data["skein"] = [
@@ -226,7 +242,7 @@ def export(invoke=False):
         bpy.ops.export_scene.gltf("INVOKE_DEFAULT" if invoke else "EXEC_DEFAULT", **options)
 
 
-# What is done, the picture afterwards, the tab of properties in it, and the head of a panel that is opened for it.
+# A step, the picture afterwards, the tab of properties in it, and the head of a panel that is opened for it.
 STEPS = [
     (tidy, None, None, None),
     (character, "character", "DATA", None),

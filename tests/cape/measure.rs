@@ -37,6 +37,8 @@ pub struct Worst {
 /// Skin of the cape's vertices.
 #[derive(Resource)]
 pub struct Skin {
+    /// The bone of each joint of the skin, and its place in the rest pose, inverted.
+    bones: Vec<(usize, Affine3A)>,
     places: Vec<[f32; 3]>,
     joints: Vec<[u16; 4]>,
     weights: Vec<[f32; 4]>,
@@ -47,7 +49,13 @@ pub struct Skin {
 
 impl Default for Skin {
     fn default() -> Self {
-        let mesh = cape_mesh();
+        Self::new(&cape_mesh(), inverse_bind_poses().into_iter().enumerate())
+    }
+}
+
+impl Skin {
+    /// That of a mesh. `bones` are the bone and the inverse bind pose of each joint.
+    pub fn new(mesh: &Mesh, bones: impl Iterator<Item = (usize, Mat4)>) -> Self {
         let read = |attribute| mesh.attribute(attribute).cloned().expect("an attribute");
         let (
             VertexAttributeValues::Float32x3(places),
@@ -72,18 +80,16 @@ impl Default for Skin {
                 normals[at] += next.cross(last) / (next.length_squared() * last.length_squared());
             }
         }
-        Self { places, joints, weights, colours, normals }
+        let bones = bones.map(|(bone, inverse)| (bone, Affine3A::from_mat4(inverse))).collect();
+        Self { bones, places, joints, weights, colours, normals }
     }
 }
 
 impl Skin {
     /// The animated place of each vertex.
     pub fn posed(&self, joint: impl Fn(usize) -> Affine3A) -> Vec<Vec3> {
-        let matrices: Vec<Affine3A> = inverse_bind_poses()
-            .into_iter()
-            .enumerate()
-            .map(|(i, inverse)| joint(i) * Affine3A::from_mat4(inverse))
-            .collect();
+        let matrices: Vec<Affine3A> =
+            self.bones.iter().map(|&(bone, inverse)| joint(bone) * inverse).collect();
         let vertices = self.places.iter().zip(&self.joints).zip(&self.weights);
         let posed = vertices.map(|((&place, joints), weights)| {
             let parts = joints.iter().zip(weights);
@@ -100,8 +106,9 @@ impl Skin {
         let turned = vertices.map(|((&normal, joints), weights)| {
             let parts = joints.iter().zip(weights);
             // The inverse transpose of the blend, which squeezes a little.
-            let blend: Mat3 =
-                parts.fold(Mat3::ZERO, |sum, (&j, &w)| sum + Mat3::from(joint(usize::from(j)).matrix3) * w);
+            let blend: Mat3 = parts.fold(Mat3::ZERO, |sum, (&j, &w)| {
+                sum + Mat3::from(joint(self.bones[usize::from(j)].0).matrix3) * w
+            });
             (blend.inverse().transpose() * normal).normalize()
         });
         turned.collect()
@@ -113,10 +120,10 @@ impl Skin {
     }
 }
 
-/// At the end of each step. Without a skin to compute them from, animated places and limits are those that the cape has.
+/// At the end of each step.
 pub fn measure(
     character: Res<Character>,
-    skin: Option<Res<Skin>>,
+    skin: Res<Skin>,
     places: Query<&GlobalTransform>,
     capes: Query<(&Particles, &Sticks, &WeldedVertices, &Fabric, Option<&BodySurface>)>,
     obstacles: Query<&Obstacle>,
@@ -125,17 +132,7 @@ pub fn measure(
 ) {
     let Ok((particles, sticks, welded, fabric, surface)) = capes.get(character.cape) else { return };
     let place = |entity: Entity| places.get(entity).expect("placed").affine();
-    let animated: Vec<(usize, Vec3, f32)> = if let Some(skin) = skin {
-        let posed = skin.posed(|joint| place(character.joints[joint]));
-        let of_vertex = |vertex| {
-            let particle = welded.particle(vertex).expect("a corner");
-            (particle, posed[vertex], skin.limit(vertex) * FULL_DISTANCE)
-        };
-        (0..posed.len()).map(of_vertex).collect()
-    } else {
-        let limits = (0..particles.len()).map(|i| Some((i, particles.motion_limit(i)?)));
-        limits.flatten().map(|(i, (centre, reach))| (i, centre, reach)).collect()
-    };
+    let posed = skin.posed(|joint| place(character.joints[joint]));
     let thickness = surface.copied().unwrap_or(fabric.surface()).thickness;
     let capsules = character.capsules.iter().map(|&capsule| {
         let obstacle = obstacles.get(capsule).expect("a capsule");
@@ -144,9 +141,11 @@ pub fn measure(
     });
     let capsules: Vec<_> = capsules.collect();
     let mut deep = 0;
-    for (i, target, limit) in animated {
+    for (vertex, target) in posed.iter().enumerate() {
+        let i = welded.particle(vertex).expect("a corner");
         let position = particles.position(i);
-        let off = position.distance(target);
+        let limit = skin.limit(vertex) * FULL_DISTANCE;
+        let off = position.distance(*target);
         if particles.is_pinned(i) {
             worst.pin_error = worst.pin_error.max(off);
             continue;

@@ -3,7 +3,6 @@
 use std::error::Error;
 
 use drape_solver::glam::Vec3;
-use drape_solver::splitmix::SplitMix64;
 use drape_solver::{
     Ball, BallId, BallMaterial, BodyId, BodySettings, ClothBuilder, Edge, Obstacle, ObstacleId, Placement,
     RopeBuilder, SelfContact, Shape, StateHasher, World,
@@ -25,8 +24,14 @@ impl Input {
     /// The random moves of `player` in a step.
     pub fn of(player: usize, step: u32) -> Self {
         // Each push lasts a quarter of a second.
-        let mut random = SplitMix64(u64::from(step / 15) << 1 | player as u64);
-        let mut next = || random.bits() % 5;
+        let mut seed = u64::from(step / 15) << 1 | player as u64;
+        let mut next = || {
+            // SplitMix64 (Steele, Lea and Flood 2014).
+            seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mixed = (seed ^ (seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            (mixed >> 32) % 5
+        };
         let drive = [(); 3].map(|()| next() as i8 - 2);
         Self { drive, fire: step.is_multiple_of(15) && next() == 0 }
     }

@@ -396,6 +396,15 @@ mod tests {
     }
 
     #[test]
+    fn no_point_is_farther_than_the_radius() {
+        let half_extents = Vec3::new(2.0, 3.0, 6.0);
+        let cuboid = Obstacle::new(Shape::Cuboid { half_extents }, Placement::at(Vec3::X), 0.5);
+        assert_eq!(cuboid.expect("valid").radius(), 7.0);
+        let plane = Obstacle::new(Shape::HalfSpace { normal: Vec3::Y }, Placement::default(), 0.5);
+        assert_eq!([plane.expect("valid"), Obstacle::ground()].map(|o| o.radius()), [f32::INFINITY; 2]);
+    }
+
+    #[test]
     fn invalid_obstacles_are_refused() {
         let shape = || Shape::Sphere { radius: 1.0 };
         assert!(Obstacle::new(shape(), Placement::at(Vec3::NAN), 0.5).is_err());

@@ -1,7 +1,7 @@
 //! Arrays of equal things.
 
 use bevy::prelude::*;
-use drape_solver::splitmix::SplitMix64;
+use bevy_drape::drape_solver::splitmix::SplitMix64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
