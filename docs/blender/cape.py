@@ -175,7 +175,7 @@ def weights():
 
 
 def paint():
-    """Step 5: red pins and green limits."""
+    """Step 5, as by hand: red pins and green limits."""
     with in_view():
         bpy.ops.object.mode_set(mode="OBJECT")
     mesh = bpy.data.objects["Cape"].data
@@ -188,7 +188,7 @@ def paint():
 
 
 def paint_from_groups():
-    """The other way to step 5: the script of the page takes the same paint from vertex groups."""
+    """Step 5, by the script of the page: it takes the same paint from vertex groups, beside another attribute of colours."""
     cape = bpy.data.objects["Cape"]
     painted = [tuple(value.color) for value in cape.data.color_attributes["Color"].data]
     cape.data.color_attributes.remove(cape.data.color_attributes["Color"])
@@ -209,7 +209,7 @@ def paint_from_groups():
 
 
 def attributes():
-    """The third way: numbers of their own, whose names begin with an underscore."""
+    """Attributes instead of colours: their names begin with an underscore."""
     mesh = bpy.data.objects["Cape"].data
     painted = [tuple(value.color) for value in mesh.color_attributes["Color"].data]
     for channel, name in enumerate(("_PINS", "_LIMITS")):
