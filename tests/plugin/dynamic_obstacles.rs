@@ -178,3 +178,18 @@ fn an_obstacle_that_is_no_longer_dynamic_stays() {
     run(&mut app, 0.5);
     assert_eq!(*get::<Transform>(&app, obstacle), before);
 }
+
+/// Locked axes held against contacts alone: gravity moved the box along them.
+#[test]
+fn a_box_does_not_fall_along_a_locked_axis() {
+    let mut app = app();
+    let dynamic = DynamicObstacle {
+        locked_translation: [false, true, false],
+        velocity: Vec3::X,
+        ..DynamicObstacle::cuboid(1.0, Vec3::splat(SIDE))
+    };
+    let slider = app.world_mut().spawn((Obstacle::cuboid(SIDE, SIDE, SIDE), dynamic)).id();
+    run(&mut app, 0.5);
+    let place = get::<Transform>(&app, slider).translation;
+    assert!(place.y == 0.0 && (place.x - 0.5).abs() < 0.03, "{place}");
+}

@@ -57,7 +57,7 @@ pub struct DynamicObstacle {
     pub angular_velocity: Vec3,
     /// Factor on [gravity](crate::environment::gravity::DrapeGravity): 1 for all of it, 0 for none.
     pub gravity_scale: f32,
-    /// World axes, x, y and z, along which no contact moves it.
+    /// World axes, x, y and z, along which neither contacts nor gravity move it.
     pub locked_translation: [bool; 3],
     /// World axes about which no contact turns it.
     pub locked_rotation: [bool; 3],

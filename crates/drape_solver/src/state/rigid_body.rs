@@ -35,7 +35,7 @@ use crate::state::obstacle_motion::Reaction;
 pub struct RigidBody {
     mass: f32,
     moments: Vec3,
-    /// 1 for each world axis along which pushes move it, 0 for those that are locked.
+    /// 1 for each world axis along which pushes and gravity move it, 0 for those that are locked.
     movable: Vec3,
     /// The same for turns about the axes.
     turnable: Vec3,
@@ -64,8 +64,8 @@ impl RigidBody {
         })
     }
 
-    /// Returns the body with world axes locked: no push moves it along those of `translation`, or turns it about those
-    /// of `rotation`.
+    /// Returns the body with world axes locked: no push and no gravity moves it along those of `translation`, and no push turns it
+    /// about those of `rotation`. A velocity along them stays.
     #[must_use]
     pub fn with_locked_axes(self, translation: BVec3, rotation: BVec3) -> Self {
         let free = |locked| Vec3::select(locked, Vec3::ZERO, Vec3::ONE);
@@ -77,9 +77,9 @@ impl RigidBody {
         self.mass
     }
 
-    /// Accelerates the body by `acceleration` (m/s^2) for `dt` seconds.
+    /// Accelerates the body by `acceleration` (m/s^2) for `dt` seconds, but not along locked axes.
     pub fn accelerate(&mut self, acceleration: Vec3, dt: f32) {
-        self.velocity += acceleration * dt;
+        self.velocity += acceleration * dt * self.movable;
     }
 
     /// Moves the body for `dt` seconds free of forces and returns its placement; linear momentum stays, and angular
