@@ -358,7 +358,6 @@ fn a_strip_of_triangles_is_a_cloth_that_faces_one_way() {
     assert!(normals_of(&app, cloth).iter().all(|normal| normal.z > 0.99));
 }
 
-/// Each is refused in words that name entity, mesh and fault, once; with a good mesh in its place all is well.
 /// The area of a mesh in its texture, and the area that is turned over there.
 fn textured(mesh: &Mesh) -> Vec2 {
     let Some(VertexAttributeValues::Float32x2(places)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {
@@ -373,11 +372,17 @@ fn textured(mesh: &Mesh) -> Vec2 {
     areas.map(|area| Vec2::new(area.max(0.0), -area.min(0.0))).sum()
 }
 
-/// Cut across, and the lower part, which has come off, slit and cut again.
+/// Cut across, and the lower part, which has come off, slit and cut again: as it is, smaller and turned, and mirrored.
 #[test]
 fn what_is_cut_keeps_its_area_and_its_texture() {
-    let cloth = ClothMesh::default();
-    let (mut app, _) = hung(pipe(), cloth, Transform::default());
+    cut_and_slit(Transform::default());
+    let small = Transform::from_xyz(0.3, 1.0, -0.2).with_scale(Vec3::splat(0.5));
+    cut_and_slit(small.with_rotation(Quat::from_rotation_y(1.0)));
+    cut_and_slit(Transform::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+}
+
+fn cut_and_slit(transform: Transform) {
+    let (mut app, _) = hung(pipe(), ClothMesh::default(), transform);
     let expected = textured(&pipe());
     let across = |y: f32| [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|z| Vec3::new(x, y, z)));
     let slit = [
@@ -385,7 +390,8 @@ fn what_is_cut_keeps_its_area_and_its_texture() {
         [Vec3::new(0.7, -0.6, 0.1), Vec3::new(0.7, -0.2, 0.1)],
     ];
     for (blade, bodies) in [(across(0.05), 2), (slit, 2), (across(-0.25), 3)] {
-        app.world_mut().write_message(CutCloth::sweep(blade[0], blade[1]));
+        let [from, to] = blade.map(|edge| edge.map(|place| transform.transform_point(place)));
+        app.world_mut().write_message(CutCloth::sweep(from, to));
         (0..3).for_each(|_| frame(&mut app, 1.0));
         let mut query = app.world_mut().query_filtered::<Entity, With<Particles>>();
         let parts: Vec<Entity> = query.iter(app.world()).collect();
