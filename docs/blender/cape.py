@@ -67,9 +67,14 @@ def mouse(*words):
     MOUSE.append(subprocess.Popen(["xdotool", *map(str, words)]))
 
 
+def part_down(vertex):
+    """How far down the cape a vertex is, from 0 at the collar to 1 at the hem."""
+    return (COLLAR - vertex.co.z) / FALL
+
+
 def is_collar(vertex):
     """True for the top row of the cape."""
-    return COLLAR - vertex.co.z < 1e-3
+    return part_down(vertex) < 1e-3
 
 
 def select(*names):
@@ -140,7 +145,7 @@ def shape():
         bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
         bpy.ops.object.shade_smooth()
     for vertex in cape.data.vertices:
-        down = (COLLAR - vertex.co.z) / FALL
+        down = part_down(vertex)
         vertex.co.x *= (HALF_WIDTH + WIDER * down) / HALF_WIDTH
         vertex.co.y = -0.17 - 0.07 * down
     material = bpy.data.materials.new("cloth")
@@ -181,8 +186,7 @@ def paint():
     mesh = bpy.data.objects["Cape"].data
     colours = mesh.color_attributes.new("Color", "FLOAT_COLOR", "POINT")
     for vertex in mesh.vertices:
-        down = (COLLAR - vertex.co.z) / FALL
-        colours.data[vertex.index].color = (float(is_collar(vertex)), down, 0.0, 1.0)
+        colours.data[vertex.index].color = (float(is_collar(vertex)), part_down(vertex), 0.0, 1.0)
     with in_view():
         bpy.ops.object.mode_set(mode="VERTEX_PAINT")
 
@@ -276,12 +280,6 @@ def steps():
             subprocess.run(["import", "-window", "root", path], check=True)
 
 
-def run_all():
-    """Without a window: all steps but the last, which is a dialogue."""
-    for step, *_ in STEPS[:-1]:
-        step()
-
-
 def tick(waits=steps()):
     """One turn of the window's timer."""
     try:
@@ -294,7 +292,9 @@ def tick(waits=steps()):
 
 
 if bpy.app.background:
-    run_all()
+    # All but the last step, which is a dialogue.
+    for step, *_ in STEPS[:-1]:
+        step()
     # Blender as a module may crash when Python ends.
     os._exit(0)
 else:

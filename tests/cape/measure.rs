@@ -83,9 +83,7 @@ impl Skin {
         let bones = bones.map(|(bone, inverse)| (bone, Affine3A::from_mat4(inverse))).collect();
         Self { bones, places, joints, weights, colours, normals }
     }
-}
 
-impl Skin {
     /// The animated place of each vertex.
     pub fn posed(&self, joint: impl Fn(usize) -> Affine3A) -> Vec<Vec3> {
         let matrices: Vec<Affine3A> =

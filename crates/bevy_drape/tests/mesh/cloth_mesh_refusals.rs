@@ -8,6 +8,7 @@ use bevy_drape::render::ClothWeave;
 use crate::cloth_mesh::{SIDES, SQUARE, add, hung, of, of_triangles, pipe, refusals};
 use crate::*;
 
+/// Each is refused in words that name entity, mesh and fault, once; with a good mesh in its place all is well.
 #[test]
 fn a_mesh_that_is_no_cloth_is_refused() {
     let list = PrimitiveTopology::TriangleList;

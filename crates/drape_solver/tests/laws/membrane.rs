@@ -54,11 +54,17 @@ impl Specimen {
         (row * self.particles[0] + column) as usize
     }
 
-    /// The mean place of each row, when all is at rest.
-    fn rows(&self, material: ClothMaterial, settings: BodySettings) -> Vec<Vec3> {
-        let mut island = Island::of_body(self.build(material, settings));
+    /// The specimen after ten seconds under the load: at rest.
+    fn at_rest(&self, body: Body) -> Island {
+        let mut island = Island::of_body(body);
         let gravity = self.load.normalize() * G;
         run(&mut island, &Environment { dt: FRAME, gravity, ..Environment::default() }, 10.0);
+        island
+    }
+
+    /// The mean place of each row, when all is at rest.
+    fn rows(&self, material: ClothMaterial, settings: BodySettings) -> Vec<Vec3> {
+        let island = self.at_rest(self.build(material, settings));
         let [columns, rows] = self.particles;
         let place = |column: u32, row: u32| island.bodies[0].particles.position(self.index(column, row));
         let mean = |row| (0..columns).map(|column| place(column, row)).sum::<Vec3>() / columns as f32;
@@ -71,21 +77,19 @@ impl Specimen {
         let [columns, rows] = self.particles;
         let mut body = self.build(material, settings);
         let down = Vec3::new(lean, -(1.0 - lean * lean).sqrt(), 0.0);
-        for row in 0..rows {
-            for i in (0..columns).map(|column| self.index(column, row)) {
-                let at = body.particles.position(i);
-                let leaning = at.with_y(0.0) - at.y * down;
-                let above = body.particles.position(i.saturating_sub(columns as usize));
-                let upright = above + Vec3::NEG_Y * self.size[1] / (rows - 1) as f32;
-                body.particles.set_position(i, if row + 1 < rows { leaning } else { upright });
-            }
+        for i in 0..self.index(0, rows - 1) {
+            let at = body.particles.position(i);
+            body.particles.set_position(i, at.with_y(0.0) - at.y * down);
+        }
+        for column in 0..columns {
+            let above = body.particles.position(self.index(column, rows - 2));
+            let upright = above + Vec3::NEG_Y * self.size[1] / (rows - 1) as f32;
+            body.particles.set_position(self.index(column, rows - 1), upright);
         }
         for i in (0..rows - 1).flat_map(|row| [self.index(0, row), self.index(columns - 1, row)]) {
             body.particles.set_inverse_mass(i, 0.0);
         }
-        let mut island = Island::of_body(body);
-        let gravity = self.load.normalize() * G;
-        run(&mut island, &Environment { dt: FRAME, gravity, ..Environment::default() }, 10.0);
+        let island = self.at_rest(body);
         let place = |row| island.bodies[0].particles.position(self.index(columns / 2, row));
         (place(rows - 1) - place(rows - 2)).normalize().x
     }
