@@ -66,8 +66,16 @@ impl Membrane {
             Some(ElasticStick { rest, compliance: constant?.recip() as f32 })
         };
         let SpringConstants { along: [along_rows, along_columns], diagonal } = constants;
+        // From the far ends, as single precision rounds places far from the origin by much of a spacing.
+        let frame = || {
+            let [columns, rows] = size;
+            let [first, right, down] =
+                [0, columns - 1, columns * (rows - 1)].map(|i| topology.rest[i].as_dvec3());
+            [first, (right - first) / (columns - 1) as f64, (down - first) / (rows - 1) as f64]
+        };
         (constants != SpringConstants::default()).then(|| Self {
-            size,
+            size: Some(size),
+            frame: frame(),
             rows: stick(1, along_rows),
             columns: stick(size[0], along_columns),
             diagonals: stick(size[0] + 1, diagonal),
@@ -80,4 +88,35 @@ impl Membrane {
 pub(crate) fn stiffness_of(constant: f64, mass: f64) -> f32 {
     let inverse = constant * 2.0 / mass * f64::from(REFERENCE_STEP) * f64::from(REFERENCE_STEP);
     (inverse / (1.0 + inverse)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::build::topology_builder::TopologyBuilder;
+    use crate::{BodySettings, ClothBuilder, ClothMaterial};
+
+    /// The ways to the first neighbours, which are rounded there, led to the wrong columns.
+    #[test]
+    fn particles_far_from_the_origin_have_their_places() {
+        let material = ClothMaterial {
+            membrane_stiffness: MembraneStiffness::balanced(100.0, 5.0),
+            ..ClothMaterial::default()
+        };
+        let cloth = ClothBuilder::new(2.0, 0.01, 512, 3).placed(Vec3::splat(1000.0), Vec3::X, Vec3::NEG_Y);
+        let body = cloth.material(material).build(BodySettings::default()).expect("valid");
+        let membrane = body.topology.membrane.expect("springs");
+        for (i, &rest) in body.topology.rest.iter().enumerate() {
+            assert_eq!(membrane.place(rest), [i as isize % 512, i as isize / 512]);
+        }
+    }
+
+    /// Its first particle was asked for.
+    #[test]
+    fn a_grid_without_particles_is_built() {
+        let builder = TopologyBuilder::grid(&[], 0, 2).expect("no particles");
+        assert_eq!(builder.build().expect("valid").particle_count(), 0);
+    }
 }

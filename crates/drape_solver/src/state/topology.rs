@@ -128,7 +128,7 @@ pub(crate) enum BatchSticks {
     Loose(Box<[LooseStick]>),
 }
 
-/// A stick that is relaxed by itself.
+/// A stick of a torn grid that is in none of its families.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LooseStick {
     pub slots: [u32; 2],
@@ -322,6 +322,22 @@ impl Topology {
     /// True if it resists stretch or shear by a [stiffness in N/m](crate::MembraneStiffness).
     pub fn has_membrane(&self) -> bool {
         self.membrane.is_some()
+    }
+
+    /// True if it is a part of a grid that has torn.
+    pub(crate) fn is_torn_grid(&self) -> bool {
+        self.layout.is_torn() || self.membrane.is_some_and(|membrane| membrane.size.is_none())
+    }
+
+    /// Column and row of particle `index` in a torn grid, or of the one it was split from.
+    pub(crate) fn place_in_grid(&self, index: usize) -> Option<[isize; 2]> {
+        match (&self.layout, self.membrane) {
+            (Layout::Torn(torn), _) => {
+                Some(torn.grid.place(torn.home(index) as usize).map(|place| place as isize))
+            }
+            (_, Some(membrane)) => Some(membrane.place(self.rest[index])),
+            _ => None,
+        }
     }
 
     /// True if rows or columns are solved directly in any case, as their bends or sticks have compliances.

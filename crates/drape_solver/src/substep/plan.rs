@@ -6,7 +6,7 @@
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
-use crate::constraint::direct::grid_lines::{Lines, Solved};
+use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, Solved};
 use crate::constraint::direct::line::LineScratch;
 use crate::state::settings::BodySettings;
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
@@ -223,14 +223,28 @@ impl Plan {
     }
 
     /// Lists the line solves. They come last in a projection, as the other sticks would undo them: bends before sticks, and
-    /// columns before rows, as they hang from the pins.
+    /// columns before rows, as they hang from the pins. Springs along them are solved by halves around those along diagonals:
+    ///
+    /// ```text
+    ///   1/2 columns, 1/2 rows, diagonals, 1/2 rows, 1/2 columns
+    /// ```
+    ///
+    /// All of them move the same particles, by turns. A list that reads the same from both ends gains far less energy by that.
     fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
-        let all = [Lines::Diagonals, Lines::Antidiagonals, Lines::Columns, Lines::Rows];
-        self.lines.extend(all.into_iter().filter_map(|lines| Some((lines, lines.bends(topology)?))));
+        self.lines.extend(ALL_LINES.into_iter().filter_map(|lines| Some((lines, lines.bends(topology)?))));
         let sticks = |lines: Lines| Some((lines, lines.sticks(topology, stiffness, settings)?));
-        self.lines.extend(all.into_iter().filter_map(sticks));
+        let half = |(lines, solved): (Lines, Solved)| Some((lines, solved.half()?));
+        let diagonals = [Lines::Diagonals, Lines::Antidiagonals].map(sticks);
+        let threads = [Lines::Columns, Lines::Rows].map(sticks);
+        let has_diagonals = diagonals.iter().any(Option::is_some);
+        if has_diagonals {
+            let halves = threads.into_iter().flatten().filter_map(half);
+            self.lines.extend(halves.clone().chain(diagonals.into_iter().flatten()).chain(halves.rev()));
+        }
+        let is_left = |thread: &(Lines, Solved)| !has_diagonals || half(*thread).is_none();
+        self.lines.extend(threads.into_iter().flatten().filter(is_left));
     }
 
     /// True if lines are solved in this iteration: in the last one, as small sheets would gain energy by more.

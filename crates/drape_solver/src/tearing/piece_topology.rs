@@ -7,10 +7,12 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::build::topology_builder::TopologyBuilder;
+use crate::constraint::direct::grid_lines::Lines;
 use crate::error::BuildError;
 use crate::state::bends::Bends;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::Membrane;
 use crate::state::particles::Particles;
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
@@ -58,6 +60,12 @@ impl<'a> PieceTopology<'a> {
         self.split.adjacency.topology()
     }
 
+    /// The kind of a batch. Springs are solved along their lines, so each direction has batches of its own.
+    fn kind(&self, batch: &StickBatch) -> Kind {
+        let lines = self.old().membrane.and_then(|_| Lines::along(batch, self.old()));
+        (batch.material, lines)
+    }
+
     fn origin(&self, member: u32) -> usize {
         self.split.origins[member as usize] as usize
     }
@@ -91,10 +99,10 @@ impl<'a> PieceTopology<'a> {
         let torn = TornGrid::new(grid, self.members.iter().map(|&member| self.home(member)).collect());
         let (mut batches, mut loose) = (Batches::default(), LooseSticks::default());
         for rejoined in self.batches {
-            let material = rejoined.batch.material;
+            let kind @ (material, _) = self.kind(rejoined.batch);
             let BatchSticks::Grid { batch, runs, rest_length, severed } = &rejoined.batch.sticks else {
                 for (ends, rest_length) in rejoined.sticks() {
-                    loose.push(material, ends.map(|end| torn.slot(end as usize)), rest_length);
+                    loose.push(kind, ends.map(|end| torn.slot(end as usize)), rest_length);
                 }
                 continue;
             };
@@ -105,7 +113,7 @@ impl<'a> PieceTopology<'a> {
                 let stick = batch.stick_between(slots).filter(|_| torn.are_home(ends));
                 match stick.and_then(|stick| gone.binary_search(&(stick as u32)).ok()) {
                     Some(place) => drop(gone.remove(place)),
-                    None => loose.push(material, slots, rest_length),
+                    None => loose.push(kind, slots, rest_length),
                 }
             }
             let runs = if gone.is_empty() { runs.clone() } else { batch.without(runs, &gone) };
@@ -152,14 +160,14 @@ impl<'a> PieceTopology<'a> {
         }
         let mut loose = LooseSticks::default();
         for rejoined in self.batches {
-            let material = rejoined.batch.material;
+            let kind @ (material, _) = self.kind(rejoined.batch);
             for (ends, rest_length) in rejoined.sticks() {
                 let Some(ends) = self.own(ends) else { continue };
                 let slots = ends.map(|end| torn.slot(end as usize));
                 let is_taken = torn.are_home(ends)
                     && families.iter_mut().any(|family| family.take(material, rest_length, slots));
                 if !is_taken {
-                    loose.push(material, slots, rest_length);
+                    loose.push(kind, slots, rest_length);
                 }
             }
         }
@@ -176,7 +184,7 @@ impl<'a> PieceTopology<'a> {
 
     /// Builds the topology of a torn grid.
     fn finish(&self, torn: TornGrid, mut batches: Batches, loose: LooseSticks) -> Topology {
-        for (material, sticks) in loose.0 {
+        for ((material, _), sticks) in loose.0 {
             batches.push(material, sticks.len(), BatchSticks::Loose(sticks.into()));
         }
         let (faces, parts) = self.split.faces_of(|corners| self.own(corners));
@@ -195,13 +203,14 @@ impl<'a> PieceTopology<'a> {
         topology.tethers = self.crossing.uncrossed(self.split, self.members, &self.indices, &topology.layout);
         let Bends { rigidity, friction, .. } = self.old().bends;
         topology.bends = Bends::new(&topology, None, rigidity, friction);
+        topology.membrane = self.old().membrane.map(Membrane::torn);
         topology
     }
 
     /// Builds a topology of listed sticks.
     fn irregular(&self) -> Result<Topology, BuildError> {
         let mut builder = TopologyBuilder::new(&self.rest());
-        for same in self.batches.chunk_by(|p, q| p.batch.material == q.batch.material) {
+        for same in self.batches.chunk_by(|p, q| self.kind(p.batch) == self.kind(q.batch)) {
             let sticks = same.iter().flat_map(Rejoined::sticks);
             let sticks = sticks.filter_map(|(ends, length)| Some((self.own(ends)?, length)));
             builder.family_with_lengths(same[0].batch.material, sticks)?;
@@ -218,7 +227,7 @@ impl<'a> PieceTopology<'a> {
                 members.filter(|&index| self.is_held(self.members[index as usize])).collect();
             builder.geodesic_tethers(&pins)?;
         }
-        Ok(Topology { parts, ..builder.build()? })
+        Ok(Topology { parts, membrane: old.membrane.map(Membrane::torn), ..builder.build()? })
     }
 }
 
@@ -293,16 +302,19 @@ impl Batches {
     }
 }
 
-/// Sticks outside the families of a grid, by material.
+/// Sticks outside the families of a grid, by kind.
 #[derive(Default)]
-struct LooseSticks(Vec<(StickMaterial, Vec<LooseStick>)>);
+struct LooseSticks(Vec<(Kind, Vec<LooseStick>)>);
+
+/// Material of the sticks of a batch, and their direction in a cloth with springs.
+type Kind = (StickMaterial, Option<Lines>);
 
 impl LooseSticks {
-    fn push(&mut self, material: StickMaterial, slots: [usize; 2], rest_length: f32) {
+    fn push(&mut self, kind: Kind, slots: [usize; 2], rest_length: f32) {
         let stick = LooseStick { slots: slots.map(|slot| slot as u32), rest_length };
-        match self.0.iter_mut().find(|(other, _)| *other == material) {
+        match self.0.iter_mut().find(|(other, _)| *other == kind) {
             Some((_, sticks)) => sticks.push(stick),
-            None => self.0.push((material, vec![stick])),
+            None => self.0.push((kind, vec![stick])),
         }
     }
 }

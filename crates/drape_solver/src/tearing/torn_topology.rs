@@ -27,6 +27,7 @@ use crate::state::bends::{BendingRigidity, Bends};
 use crate::state::face_part::{Entry, FacePart, Marks};
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
+use crate::state::membrane::Membrane;
 use crate::state::renumbering::Renumbering;
 use crate::state::stick_list::ListedBatch;
 use crate::state::tethers::{TetherPlan, Tethers};
@@ -139,7 +140,8 @@ impl TornTopology {
     /// # Errors
     /// [`BuildError`] if a number is out of range.
     pub fn build(&self, whole: &Topology) -> Result<Topology, BuildError> {
-        let mut topology = self.opened.as_ref().map_or_else(|| Ok(whole.clone()), Opened::build)?;
+        let mut topology =
+            self.opened.as_ref().map_or_else(|| Ok(whole.clone()), |opened| opened.build(whole))?;
         let count = topology.faces.len();
         topology.parts = self.parts.iter().map(|part| part.build(count)).collect::<Result<_, _>>()?;
         if topology.parts.is_sorted_by_key(|part| part.face) {
@@ -151,7 +153,7 @@ impl TornTopology {
 }
 
 impl Opened {
-    fn build(&self) -> Result<Topology, BuildError> {
+    fn build(&self, whole: &Topology) -> Result<Topology, BuildError> {
         let count = self.rest.len();
         self.validate()?;
         let mut topology = Topology {
@@ -168,6 +170,7 @@ impl Opened {
         let tethers = Tethers::from_list(self.tethers.iter().copied());
         topology.tethers = TetherPlan::new(&tethers, &topology.layout);
         topology.bends = Bends::new(&topology, None, self.rigidity, self.friction);
+        topology.membrane = whole.membrane.map(Membrane::torn);
         Ok(topology)
     }
 
@@ -361,13 +364,17 @@ impl PlainPart {
 mod tests {
     use super::*;
     use crate::simd::miri::unless_miri;
-    use crate::{Body, BodySettings, ClothBuilder, MeshClothBuilder};
+    use crate::{Body, BodySettings, ClothBuilder, ClothMaterial, MembraneStiffness, MeshClothBuilder};
 
     /// A sheet of 1 m x 1 m in the XY plane around the origin, slit from its left side to its middle, and the topology that it had.
     fn slit(is_mesh: bool) -> (Body, Arc<Topology>) {
         let settings = BodySettings::default();
         let grid = ClothBuilder::new(1.0, 1.0, unless_miri(16, 9), 9)
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
+            .material(ClothMaterial {
+                membrane_stiffness: MembraneStiffness::balanced(0.0, 20.0),
+                ..ClothMaterial::default()
+            })
             .pin(0)
             .build(settings);
         let mut body = grid.expect("valid");
@@ -388,6 +395,7 @@ mod tests {
             let (body, whole) = slit(is_mesh);
             let good = TornTopology::new(&body.topology, &whole);
             assert_eq!(good.build(&whole).as_ref(), Ok(&*body.topology));
+            assert_eq!(body.topology.has_membrane(), !is_mesh);
             let count = body.particles.len() as u32;
             let opened: [([&str; 2], fn(&mut Opened, u32)); 17] = [
                 (["a face", "a face"], |opened, count| opened.faces[3][1] = count),

@@ -350,7 +350,7 @@ fn every_machine_ends_in_the_golden_bits() {
         0xc00d243c8f36fb0b,
         0xac29ee24457e6c9c,
         0x4c341edcf72d3427,
-        0x394855ad7cfd621e,
+        0xda6b2467d76fb186,
         0xf477dbfdd8f105fc,
         0xb2db80d374b6b1b0,
     ];

@@ -229,8 +229,13 @@ mod tests {
                 }
                 let before = position.clone();
                 let mut columns = CellColumns::new(&mut position, 2);
-                let chains =
-                    Chains { position: columns.column(0), inverse_mass: &inverse_mass, count, gaps: None };
+                let chains = Chains {
+                    position: columns.column(0),
+                    inverse_mass: &inverse_mass,
+                    count,
+                    gaps: None,
+                    softness: None,
+                };
                 isa.run(Bend(chains, &rest));
                 (0..LANES).for_each(|lane| {
                     let start: Vec<Vec3> = (0..count).map(|i| before[2 * i].get(lane)).collect();

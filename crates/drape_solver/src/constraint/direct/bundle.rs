@@ -72,6 +72,23 @@ pub(super) enum Direction {
     Rows,
 }
 
+/// Gaps and softness of torn lines, by bundle and place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TornBundles<'a> {
+    /// The lanes without a stick to the next place, lane 0 in the lowest bit; none in a whole grid.
+    pub gaps: Option<&'a [u16]>,
+    /// The compliance of these sticks, in parts of that inside the cloth; none if they are not springs.
+    pub softness: Option<&'a [[f32; LANES]]>,
+}
+
+impl<'a> TornBundles<'a> {
+    /// Those of bundle `bundle`, whose lines have `count` places.
+    pub fn of_bundle(self, bundle: usize, count: usize) -> (Option<&'a [u16]>, Option<&'a [[f32; LANES]]>) {
+        let own = bundle * count..(bundle + 1) * count;
+        (self.gaps.map(|gaps| &gaps[own.clone()]), self.softness.map(|softness| &softness[own]))
+    }
+}
+
 /// What all threads read.
 #[derive(Clone, Copy)]
 pub(super) struct BundleSolve<'a> {
@@ -81,8 +98,7 @@ pub(super) struct BundleSolve<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
     /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
     pub rest: Option<&'a [Cell]>,
-    /// Gaps of the lines by bundle and place; none in a whole grid.
-    pub gaps: Option<&'a [u16]>,
+    pub torn: TornBundles<'a>,
     pub direction: Direction,
     pub solved: Solved,
     pub projection: StickProjection,
@@ -179,11 +195,11 @@ impl SomeBundles<'_> {
     /// Solves one column of all patches, where it lies.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, simd: S, column: usize, projection: impl Projection) {
-        let BundleSolve { grid, patches, inverse_mass, rest, gaps, solved, .. } = self.solve;
+        let BundleSolve { grid, patches, inverse_mass, rest, torn, solved, .. } = self.solve;
         let position = self.position.column(column);
         let count = grid.rows;
-        let gaps = gaps.map(|gaps| &gaps[column * count..][..count]);
-        let chains = Chains { position, inverse_mass, count, gaps };
+        let (gaps, softness) = torn.of_bundle(column, count);
+        let chains = Chains { position, inverse_mass, count, gaps, softness };
         let is_edge = |lane| is_at_edge(lane * patches.width + column, grid.columns);
         solve_chains(
             simd,
@@ -199,7 +215,7 @@ impl SomeBundles<'_> {
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
         let Self { solve, position, bundles, scratch } = self;
-        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, gaps, solved, .. } =
+        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, torn, solved, .. } =
             solve;
         let count = LANES.min(grid.rows - first);
         // The cells of this thread begin with its first bundle.
@@ -235,10 +251,14 @@ impl SomeBundles<'_> {
             );
             &**rests
         });
-        let places = grid.columns;
-        let gaps = gaps.map(|gaps| &gaps[first / LANES * places..][..places]);
-        let chains =
-            Chains { position: CellColumn::new(position), inverse_mass: masses, count: places, gaps };
+        let (gaps, softness) = torn.of_bundle(first / LANES, grid.columns);
+        let chains = Chains {
+            position: CellColumn::new(position),
+            inverse_mass: masses,
+            count: grid.columns,
+            gaps,
+            softness,
+        };
         let is_edge = |lane| is_at_edge(first + lane, grid.rows);
         solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
         transpose_back(simd, width, cells, position);
@@ -298,7 +318,7 @@ fn transpose_back<S: Simd>(simd: S, width: usize, cells: &mut [Cell], position: 
     );
 }
 
-/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth. Bends may have a rest.
+/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth and softer ones. Bends may have a rest.
 #[inline(always)]
 pub(super) fn solve_chains<S: Simd>(
     simd: S,
@@ -308,7 +328,9 @@ pub(super) fn solve_chains<S: Simd>(
     is_edge: impl Fn(usize) -> bool,
     projection: impl Projection,
 ) {
-    let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
+    // In torn cloth the softness covers edges, too.
+    let is_soft = |lane| chains.softness.is_none() && is_edge(lane);
+    let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_soft(lane)) << lane));
     match solved {
         Solved::Sticks(stick) => chains.solve(simd, chain, stick, edges, projection),
         Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges, rest),
@@ -357,7 +379,7 @@ mod tests {
                     patches,
                     inverse_mass,
                     rest: None,
-                    gaps: has_gaps.then_some(&*gaps),
+                    torn: TornBundles { gaps: has_gaps.then_some(&*gaps), softness: None },
                     direction,
                     solved,
                     projection: StickProjection::Exact,

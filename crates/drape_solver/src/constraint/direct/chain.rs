@@ -41,6 +41,8 @@ pub(crate) struct Chains<'a> {
     pub count: usize,
     /// For each particle the lanes without a stick to the next one, lane 0 in the lowest bit. None if all have theirs.
     pub gaps: Option<&'a [u16]>,
+    /// For each particle the compliance of its stick to the next one, in parts of that inside the cloth. None if they are alike.
+    pub softness: Option<&'a [[f32; LANES]]>,
 }
 
 /// Scratch of the stick below each particle.
@@ -171,6 +173,7 @@ impl Chains<'_> {
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
             greatest = greatest.max(error);
+            let compliance = self.of_stick(simd, i, compliance);
             let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(least);
             let pivot = own - lower * upper_above;
             let inverse = one / pivot;
@@ -261,7 +264,7 @@ impl Chains<'_> {
             let delta = b.minus(a);
             let error = projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest));
             let error = self.with_stick(simd, i, part.simd_gt(zero)).select(error * part, zero);
-            let scale = error / ((wa + wb).max(least) + compliance);
+            let scale = error / ((wa + wb).max(least) + self.of_stick(simd, i, compliance));
             self.set_position(i, a.plus(delta.times(scale * wa)));
             self.set_position(i + 1, b.minus(delta.times(scale * wb)));
         }
@@ -273,6 +276,15 @@ impl Chains<'_> {
         match self.gaps {
             Some(gaps) => lanes & mask32x16::from_bitmask(simd, u64::from(!gaps[i])),
             None => lanes,
+        }
+    }
+
+    /// The compliance of the stick below particle `i`.
+    #[inline(always)]
+    fn of_stick<S: Simd>(&self, simd: S, i: usize, compliance: f32x16<S>) -> f32x16<S> {
+        match self.softness {
+            Some(softness) => compliance * load(simd, &softness[i]),
+            None => compliance,
         }
     }
 
@@ -296,22 +308,16 @@ impl Chains<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constants::{CHAIN_REGULARISER, ELASTIC_REGULARISER};
-    use crate::simd::cell_columns::CellColumns;
-    use crate::simd::columns::Cell;
-    use crate::simd::miri::unless_miri;
     use glam::{DVec3, Vec3};
 
-    use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
-    use crate::constraint::projection::Exact;
-    use crate::constraint::testing::{self, dice};
-    use crate::simd::isa::{Isa, Kernel};
-
-    const REST: f32 = 0.1;
-    const RIGID: ElasticStick = ElasticStick { rest: REST, compliance: 0.0 };
-    /// As soft as some of the particles are light.
-    const SOFT: ElasticStick = ElasticStick { rest: REST, compliance: 5.0 };
-    const EDGES: u16 = 0x8001;
+    use crate::constants::{CHAIN_REGULARISER, ELASTIC_REGULARISER};
+    use crate::constraint::direct::testing::{
+        REST, RIGID, SOFT, Solve, chains, lane_of, softness, width_share,
+    };
+    use crate::constraint::testing;
+    use crate::simd::columns::Cell;
+    use crate::simd::isa::Isa;
+    use crate::simd::miri::unless_miri;
 
     /// Gaps of chains in the lanes: each in other lanes, some side by side.
     fn gaps(count: usize) -> Vec<u16> {
@@ -323,7 +329,7 @@ mod tests {
         position: &[Vec3],
         inverse_mass: &[f32],
         is_gap: impl Fn(usize) -> bool,
-        compliance: f64,
+        compliance: impl Fn(usize) -> f64,
     ) -> Vec<DVec3> {
         let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
         let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
@@ -335,6 +341,7 @@ mod tests {
         for i in 0..sticks {
             let weight = w[i] + w[i + 1];
             let is_alive = weight > 0.0 && n[i] != DVec3::ZERO;
+            let compliance = compliance(i);
             let least = if compliance > 0.0 { ELASTIC_REGULARISER } else { CHAIN_REGULARISER };
             let regular = (weight * f64::from(least)).max(compliance);
             rows[i][i] = if weight > 0.0 { weight + regular } else { 1.0 };
@@ -352,58 +359,6 @@ mod tests {
         position
     }
 
-    /// A solve of the chains that `chains` makes.
-    struct Solve<'a> {
-        position: &'a mut [Cell],
-        inverse_mass: &'a [[f32; LANES]],
-        count: usize,
-        gaps: Option<&'a [u16]>,
-        stick: ElasticStick,
-    }
-
-    impl Kernel for Solve<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn run<S: Simd>(self, simd: S) {
-            let Self { position, inverse_mass, count, gaps, stick } = self;
-            let mut scratch = ChainScratch::default();
-            scratch.reserve(count);
-            let mut columns = CellColumns::new(position, 2);
-            let mut chains = Chains { position: columns.column(1), inverse_mass, count, gaps };
-            chains.solve(simd, &mut scratch, stick, EDGES, Exact);
-        }
-    }
-
-    /// Sixteen crooked chains in every second cell of three, some of their particles pinned, heavy or in one place.
-    fn chains(count: usize, stretched: f32) -> (Vec<Cell>, Vec<[f32; LANES]>) {
-        let mut dice = dice(1);
-        let mut position = vec![Cell::default(); 2 * count + 1];
-        let mut inverse_mass = vec![[1.0; LANES]; 2 * count + 1];
-        let mut at = [Vec3::ZERO; LANES];
-        for i in 0..count {
-            let cell = 1 + 2 * i;
-            for (lane, at) in at.iter_mut().enumerate() {
-                let weight = 8.0 * (1.0 + dice());
-                position[cell].set(lane, *at);
-                inverse_mass[cell][lane] = if weight < 1.0 { 0.0 } else { weight };
-                let turn = Vec3::new(dice(), dice(), dice()) * 0.6;
-                let length = if i == 4 { 0.0 } else { REST * (1.0 + stretched * dice()) };
-                *at += (Vec3::X + turn).normalize() * length;
-            }
-        }
-        (position, inverse_mass)
-    }
-
-    /// The width of the sticks of a lane's chain, in parts of those inside the cloth.
-    fn width_share(lane: usize) -> f64 {
-        if EDGES & (1 << lane) == 0 { 1.0 } else { 0.5 }
-    }
-
-    fn lane_of<T>(count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
-        (0..count).map(|i| of(1 + 2 * i)).collect()
-    }
-
     #[test]
     fn chains_go_where_the_whole_matrix_says() {
         let cases = [(RIGID, false), (SOFT, false), (RIGID, true), (SOFT, true)];
@@ -415,11 +370,16 @@ mod tests {
                 let (mut position, inverse_mass) = chains(count, 0.02);
                 let before = position.clone();
                 let inverse_mass = &inverse_mass[..];
-                isa.run(Solve { position: &mut position, inverse_mass, count, gaps: own.as_deref(), stick });
+                let gaps = own.as_deref();
+                let softer = softness(count);
+                let softness = has_gaps.then_some(&*softer);
+                isa.run(Solve { position: &mut position, inverse_mass, count, gaps, softness, stick });
                 (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
-                    let compliance = f64::from(stick.compliance) * width_share(lane).recip();
+                    let inside = f64::from(stick.compliance) * width_share(lane).recip();
+                    let compliance =
+                        |i: usize| inside * softness.map_or(1.0, |softness| f64::from(softness[i][lane]));
                     let is_gap = |i: usize| own.as_ref().is_some_and(|gaps| gaps[i] & (1 << lane) != 0);
                     for (i, expected) in solved(&start, &weights, is_gap, compliance).into_iter().enumerate()
                     {
@@ -429,44 +389,6 @@ mod tests {
                 });
                 let untouched = (0..count).all(|i| position[2 * i] == before[2 * i]);
                 assert!(untouched, "cells of others stay as they are");
-            }
-        }
-    }
-
-    /// The scalar form, which ropes run: short and long steps, to the bit.
-    #[test]
-    fn each_lane_does_what_a_lone_chain_does() {
-        let cases = [(0.02, RIGID), (1.0, RIGID), (0.02, SOFT), (1.0, SOFT)];
-        for ((stretched, stick), has_gaps) in cases.into_iter().flat_map(|case| [(case, false), (case, true)])
-        {
-            for count in [2, 3, unless_miri(40, 5)] {
-                let gaps = gaps(count);
-                let (mut position, inverse_mass) = chains(count, stretched);
-                let mut lone = position.clone();
-                let mut sticks = vec![LoneStick::default(); count];
-                for lane in 0..LANES {
-                    let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
-                    let compliance = stick.compliance / width_share(lane) as f32;
-                    let of_lane: Vec<u16> = gaps.iter().map(|gap| gap >> lane & 1).collect();
-                    let gaps = has_gaps.then_some(&*of_lane);
-                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots, gaps }
-                        .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
-                }
-                Isa::detected().run(Solve {
-                    position: &mut position,
-                    inverse_mass: &inverse_mass,
-                    count,
-                    gaps: has_gaps.then_some(&*gaps),
-                    stick,
-                });
-                let bits = |cells: &[Cell]| -> Vec<u32> {
-                    cells
-                        .iter()
-                        .flat_map(|cell| cell.axes().map(|axis| axis.map(f32::to_bits)))
-                        .flatten()
-                        .collect()
-                };
-                assert!(bits(&position) == bits(&lone), "{count} particles, {stretched}, {stick:?}");
             }
         }
     }
@@ -482,6 +404,7 @@ mod tests {
             inverse_mass: &inverse_mass,
             count,
             gaps: None,
+            softness: None,
             stick: RIGID,
         });
         for lane in 0..LANES {

@@ -16,6 +16,10 @@ use crate::state::membrane::{ElasticStick, Membrane};
 use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
+/// The lines of all directions.
+pub(crate) const ALL_LINES: [Lines; 4] =
+    [Lines::Diagonals, Lines::Antidiagonals, Lines::Columns, Lines::Rows];
+
 /// The lines of a grid in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lines {
@@ -28,34 +32,51 @@ pub(crate) enum Lines {
 }
 
 impl Lines {
-    /// The lines that the sticks of `batch` form, if they are to be solved directly: springs of a whole grid, and structural sticks that
-    /// lose all of their error at a `stiffness` per iteration, if the settings say so.
+    /// Columns to the right and rows down from a particle to the next one.
+    pub fn offset(self) -> [isize; 2] {
+        match self {
+            Self::Rows => [1, 0],
+            Self::Columns => [0, 1],
+            Self::Diagonals => [1, 1],
+            Self::Antidiagonals => [-1, 1],
+        }
+    }
+
+    /// The lines along which this offset leads, in their direction or against it.
+    pub fn along_offset(offset: [isize; 2]) -> Option<Self> {
+        let back = offset.map(|way| -way);
+        ALL_LINES.into_iter().find(|lines| [offset, back].contains(&lines.offset()))
+    }
+
+    /// The lines along which the sticks of `batch` lie. None if they join no neighbours of a grid, or are listed in a cloth without
+    /// springs.
+    pub fn along(batch: &StickBatch, topology: &Topology) -> Option<Self> {
+        match &batch.sticks {
+            BatchSticks::Grid { batch, .. } => {
+                let (right, down) = batch.offset();
+                Self::along_offset([right, down as isize])
+            }
+            // In a cloth with springs all sticks of a batch lie in one direction.
+            _ if topology.membrane.is_some() => {
+                let [a, b] = topology.stick(batch.first).map(|end| topology.place_in_grid(end as usize));
+                let ([left, top], [column, row]) = (a?, b?);
+                Self::along_offset([column - left, row - top])
+            }
+            _ => None,
+        }
+    }
+
+    /// The lines that the sticks of `batch` form, if they are to be solved directly: springs, and structural sticks of a grid that lose
+    /// all of their error at a `stiffness` per iteration, if the settings say so.
     pub fn of(
         batch: &StickBatch,
         stiffness: f32,
         topology: &Topology,
         settings: &BodySettings,
     ) -> Option<Self> {
-        let (offset, is_small) = match (&batch.sticks, &topology.membrane) {
-            (BatchSticks::Grid { batch, .. }, _) => (batch.offset(), false),
-            // Small grids have their sticks in lists.
-            (BatchSticks::Listed(_), Some(membrane)) => {
-                let [a, b] = topology.stick(batch.first);
-                let place = |end: u32| [end as usize % membrane.size[0], end as usize / membrane.size[0]];
-                let ([from, above], [to, below]) = (place(a.min(b)), place(a.max(b)));
-                ((to as isize - from as isize, below - above), true)
-            }
-            _ => return None,
-        };
-        let lines = match offset {
-            (1, 0) => Self::Rows,
-            (0, 1) => Self::Columns,
-            (1, 1) => Self::Diagonals,
-            (-1, 1) => Self::Antidiagonals,
-            _ => return None,
-        };
+        let lines = Self::along(batch, topology)?;
         let is_rigid = settings.structural == StructuralSolve::Lines
-            && !is_small
+            && matches!(batch.sticks, BatchSticks::Grid { .. })
             && matches!(lines, Self::Rows | Self::Columns)
             && batch.material.kind == StickKind::Structural
             && stiffness >= 1.0;
@@ -79,13 +100,22 @@ impl Lines {
 
     /// The sticks of these lines that have a compliance.
     fn elastic_sticks(self, topology: &Topology) -> Option<Solved> {
+        self.springs(topology).map(Solved::Sticks)
+    }
+
+    /// The springs along these lines; none if their sticks are no springs.
+    pub(super) fn springs(self, topology: &Topology) -> Option<ElasticStick> {
         let membrane = topology.membrane.as_ref()?;
-        let sticks = match self {
+        match self {
             Self::Rows => membrane.rows,
             Self::Columns => membrane.columns,
             Self::Diagonals | Self::Antidiagonals => membrane.diagonals,
-        };
-        sticks.map(Solved::Sticks)
+        }
+    }
+
+    /// True for rows and columns, and for diagonals that are springs.
+    pub(super) fn can_be_solved(self, topology: &Topology) -> bool {
+        matches!(self, Self::Rows | Self::Columns) || self.springs(topology).is_some()
     }
 
     /// The bends of these lines; none if they do not resist.
@@ -136,6 +166,21 @@ impl Lines {
             (LineStorage::Lone, _) => (line, 0),
             _ => (line / LANES, line % LANES),
         }
+    }
+
+    /// The line through the particle in this column and row, and the place of the particle in it: the inverse of
+    /// [`places`](Self::places).
+    pub(super) fn line_and_place(self, grid: RuledGrid, [column, row]: [usize; 2]) -> [usize; 2] {
+        let RuledGrid { columns, .. } = grid;
+        let from_the_left = match self {
+            Self::Rows => return [row, column],
+            Self::Columns => return [column, row],
+            Self::Diagonals => column,
+            Self::Antidiagonals => columns - 1 - column,
+        };
+        let line = (from_the_left + columns - row % columns) % columns;
+        // Two ghosts each time that the line has gone on at the other side.
+        [line, row + 2 * ((line + row) / columns)]
     }
 
     /// The places of line `line`.
@@ -197,6 +242,18 @@ pub(crate) enum Solved {
     Bends(f32),
 }
 
+impl Solved {
+    /// Springs that resist half as much. None for rigid sticks, and for bends.
+    pub fn half(self) -> Option<Self> {
+        match self {
+            Self::Sticks(stick) if stick.compliance > 0.0 => {
+                Some(Self::Sticks(ElasticStick { compliance: 2.0 * stick.compliance, ..stick }))
+            }
+            Self::Sticks(_) | Self::Bends(_) => None,
+        }
+    }
+}
+
 /// A grid of particles, by rows and columns: in patches, or in order if it is too small for that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RuledGrid {
@@ -214,7 +271,7 @@ impl RuledGrid {
     pub fn of(topology: &Topology) -> Option<Self> {
         let small = || {
             let bent = topology.bends.lines.map(|BentGrid { columns, rows, .. }| [columns, rows]);
-            bent.or_else(|| topology.membrane.map(|Membrane { size, .. }| size))
+            bent.or_else(|| topology.membrane.and_then(|Membrane { size, .. }| size))
         };
         match &topology.layout {
             &Layout::Grid(grid) => Some(Self::in_patches(grid)),
@@ -262,4 +319,31 @@ pub(super) fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> 
         slots.extend((0..count).flat_map(|i| all.iter().map(move |places| slot(places[i]))));
     }
     slots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_particle_is_found_in_its_lines() {
+        for (columns, rows) in [(5, 9), (9, 5), (2, 7), (4, 4), (3, 2)] {
+            let grid = RuledGrid { columns, rows, patches: None };
+            for lines in ALL_LINES {
+                let (number, count) = lines.size(grid);
+                let mut found = 0;
+                for line in 0..number {
+                    let places = lines.places(grid, line);
+                    assert_eq!(places.len(), count);
+                    for (place, _) in places.iter().enumerate().filter(|(_, place)| !place.is_ghost) {
+                        let index = places[place].index;
+                        let at = lines.line_and_place(grid, [index % columns, index / columns]);
+                        assert_eq!(at, [line, place], "{lines:?} of {columns} x {rows}");
+                        found += 1;
+                    }
+                }
+                assert_eq!(found, columns * rows, "{lines:?}");
+            }
+        }
+    }
 }

@@ -17,10 +17,10 @@ use fearless_simd::Simd;
 
 use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, Direction, grow, solve_chains};
 use crate::constraint::direct::chain::Chains;
-use crate::constraint::direct::grid_lines::{GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
+use crate::constraint::direct::grid_lines::{ALL_LINES, GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::direct::thread_friction;
-use crate::constraint::direct::torn_lines::TornLines;
+use crate::constraint::direct::torn_lines::{LoneLine, TornLines};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::CellColumn;
@@ -51,12 +51,13 @@ pub(crate) struct LineScratch {
 impl LineScratch {
     /// Makes room for the lines of a body.
     pub fn reserve(&mut self, topology: &Arc<Topology>) {
-        let Some(grid) = RuledGrid::of(topology) else {
-            return;
-        };
+        let grid = RuledGrid::of(topology);
         if self.torn.note(topology, grid) {
             grow(&mut self.lone, self.torn.longest());
         }
+        let Some(grid) = grid else {
+            return;
+        };
         if self.bundles.is_empty() {
             self.bundles.push(BundleScratch::default());
         }
@@ -73,12 +74,11 @@ impl LineScratch {
                 }
             }
         }
-        let has_diagonals = topology.membrane.is_some_and(|membrane| membrane.diagonals.is_some());
+        let has_diagonals = Lines::Diagonals.can_be_solved(topology);
         if self.made_for == Some((grid, has_diagonals)) {
             return;
         }
-        let all = [Lines::Rows, Lines::Columns, Lines::Diagonals, Lines::Antidiagonals];
-        for lines in all.into_iter().take(if has_diagonals { 4 } else { 2 }) {
+        for lines in ALL_LINES.into_iter().filter(|lines| lines.can_be_solved(topology)) {
             let (_, count) = lines.size(grid);
             let storage = lines.storage(grid);
             for bundle in &mut self.bundles {
@@ -125,13 +125,12 @@ pub(crate) fn solve(
     workers: &Workers,
 ) {
     let Body { particles, topology, settings, context, .. } = body;
-    let Some(grid) = RuledGrid::of(topology) else {
-        return;
-    };
+    let grid = RuledGrid::of(topology);
     let length_ratio = particles.length_ratio(substep);
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     // Particles without a place in a torn grid follow behind it.
-    let cells = grid.patches.map_or(particles.position.cells.len(), |patches| patches.width * patches.height);
+    let patches = grid.and_then(|grid| grid.patches);
+    let cells = patches.map_or(particles.position.cells.len(), |patches| patches.width * patches.height);
     scratch.share(bundle::threads(workers.most(), cells));
     for &(lines, mut solved) in lines {
         match &mut solved {
@@ -141,11 +140,6 @@ pub(crate) fn solve(
             }
             Solved::Bends(compliance) => *compliance *= context.compliance_scale,
         }
-        let direction = match lines.storage(grid) {
-            LineStorage::InPlace => Some(Direction::Columns),
-            LineStorage::Transposed => Some(Direction::Rows),
-            LineStorage::Gathered | LineStorage::Lone => None,
-        };
         let rest = match solved {
             Solved::Bends(_) => lines.rest(topology, &context.bends),
             Solved::Sticks(_) => None,
@@ -153,14 +147,22 @@ pub(crate) fn solve(
         let (projection, isa) = (settings.projection, substep.isa);
         let all = &mut *particles.position.cells;
         if let Solved::Sticks(stick) = solved
-            && scratch.torn.loose(lines).next().is_some()
+            && scratch.torn.lone(lines).next().is_some()
         {
-            isa.run(LooseLines { lines, stick, projection, position: all, inverse_mass, scratch });
+            isa.run(LoneLines { lines, stick, projection, position: all, inverse_mass, scratch });
         }
+        let Some(grid) = grid else { continue };
+        let direction = match lines.storage(grid) {
+            LineStorage::InPlace => Some(Direction::Columns),
+            LineStorage::Transposed => Some(Direction::Rows),
+            // Solved one by one above.
+            LineStorage::Lone if topology.is_torn_grid() => continue,
+            LineStorage::Gathered | LineStorage::Lone => None,
+        };
         let position = &mut all[..cells];
         if let (Some(direction), Some(patches)) = (direction, grid.patches) {
-            let gaps = scratch.torn.gaps(lines);
-            BundleSolve { grid, patches, inverse_mass, rest, gaps, direction, solved, projection, isa }
+            let torn = scratch.torn.bundles(lines);
+            BundleSolve { grid, patches, inverse_mass, rest, torn, direction, solved, projection, isa }
                 .solve(position, &mut scratch.bundles, workers);
         } else {
             isa.run(ScatteredLines {
@@ -178,8 +180,8 @@ pub(crate) fn solve(
     thread_friction::follow(body, substep.isa);
 }
 
-/// Lines of loose sticks in a torn grid.
-struct LooseLines<'a> {
+/// Lines of a torn grid that no bundle takes.
+struct LoneLines<'a> {
     lines: Lines,
     stick: ElasticStick,
     projection: StickProjection,
@@ -188,15 +190,15 @@ struct LooseLines<'a> {
     scratch: &'a mut LineScratch,
 }
 
-impl Kernel for LooseLines<'_> {
+impl Kernel for LoneLines<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         let Self { lines, stick, projection, position, inverse_mass, scratch } = self;
         let LineScratch { lone, torn, .. } = scratch;
-        for slots in torn.loose(lines) {
-            let mut chain = LoneChain { position, inverse_mass, slots, gaps: None };
+        for LoneLine { slots, softness } in torn.lone(lines) {
+            let mut chain = LoneChain { position, inverse_mass, slots, softness };
             match projection {
                 StickProjection::Exact => chain.solve(lone, stick, Exact),
                 StickProjection::SquareRootFree => chain.solve(lone, stick, SquareRootFree),
@@ -243,14 +245,12 @@ impl ScatteredLines<'_> {
     #[inline(always)]
     fn lone(&mut self, stick: ElasticStick, projection: impl Projection) {
         let &mut Self { lines, grid, ref mut position, inverse_mass, ref mut scratch, .. } = self;
-        let LineScratch { lone, slots, torn, .. } = &mut **scratch;
+        let LineScratch { lone, slots, .. } = &mut **scratch;
         let (number, count) = lines.size(grid);
-        let gaps = torn.gaps(lines);
         for (line, slots) in slots[lines as usize].chunks_exact(count).enumerate() {
             let width = if is_at_edge(line, number) { 0.5 } else { 1.0 };
             let stick = ElasticStick { compliance: stick.compliance / width, ..stick };
-            let gaps = gaps.map(|gaps| &gaps[line * count..][..count]);
-            LoneChain { position, inverse_mass, slots, gaps }.solve(lone, stick, projection);
+            LoneChain { position, inverse_mass, slots, softness: None }.solve(lone, stick, projection);
         }
     }
 
@@ -260,7 +260,7 @@ impl ScatteredLines<'_> {
             self;
         let (number, count) = lines.size(grid);
         let LineScratch { bundles, slots, torn, .. } = &mut **scratch;
-        let gaps = torn.gaps(lines);
+        let torn = torn.bundles(lines);
         let Some(bundle) = bundles.first_mut() else {
             return;
         };
@@ -285,9 +285,9 @@ impl ScatteredLines<'_> {
                     }
                 }
             }
-            let gaps = gaps.map(|gaps| &gaps[first / side_by_side * count..][..count]);
+            let (gaps, softness) = torn.of_bundle(first / side_by_side, count);
             let of_chains = CellColumn::new(gathered);
-            let chains = Chains { position: of_chains, inverse_mass: gathered_mass, count, gaps };
+            let chains = Chains { position: of_chains, inverse_mass: gathered_mass, count, gaps, softness };
             // A diagonal belongs to one square alone.
             let is_side = matches!(lines, Lines::Rows | Lines::Columns);
             let is_edge = |lane| is_side && is_at_edge(first + lane, number);

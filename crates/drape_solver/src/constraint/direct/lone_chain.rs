@@ -36,8 +36,8 @@ pub(crate) struct LoneChain<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     pub slots: &'a [u32],
-    /// For each particle a number that is odd if it has no stick to the next one. None if all have theirs.
-    pub gaps: Option<&'a [u16]>,
+    /// For each particle the compliance of its stick to the next one, in parts of that inside the cloth. None if all are alike.
+    pub softness: Option<&'a [f32]>,
 }
 
 impl LoneChain<'_> {
@@ -76,7 +76,7 @@ impl LoneChain<'_> {
 
     #[inline(always)]
     fn eliminate(&self, sticks: &mut [LoneStick], stick: ElasticStick) -> f32 {
-        let (ElasticStick { rest, compliance }, regulariser) = (stick, regulariser(stick));
+        let (rest, regulariser) = (stick.rest, regulariser(stick));
         let mut greatest = 0.0_f32;
         let (mut a, mut wa) = (self.position(0), self.inverse_mass(0));
         let mut above = Vec3::ZERO;
@@ -86,14 +86,15 @@ impl LoneChain<'_> {
             let delta = b - a;
             let length = delta.length_squared().sqrt();
             let weight = wa + wb;
-            let has_length = length > 0.0 && self.has_stick(i);
+            let has_length = length > 0.0;
             let scale = if has_length { 1.0 / length } else { 0.0 };
             let direction = delta * scale;
             let error = if has_length && weight > LEAST_WEIGHT { length - rest } else { 0.0 };
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
             greatest = greatest.max(error);
-            let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(LEAST_WEIGHT);
+            let own =
+                (weight * (1.0 + regulariser)).max(weight + self.compliance(i, stick)).max(LEAST_WEIGHT);
             let pivot = own - lower * upper_above;
             let inverse = 1.0 / pivot;
             let right = (error + lower * right_above) * inverse;
@@ -182,29 +183,23 @@ impl LoneChain<'_> {
     }
 
     #[inline(always)]
-    fn sweep(
-        &mut self,
-        part: f32,
-        ElasticStick { rest, compliance }: ElasticStick,
-        projection: impl Projection,
-    ) {
+    fn sweep(&mut self, part: f32, stick: ElasticStick, projection: impl Projection) {
         let count = self.slots.len() - 1;
         for i in (0..count).step_by(2).chain((1..count).step_by(2)) {
             let (p, q) = (self.position(i), self.position(i + 1));
             let (wa, wb) = (self.inverse_mass(i), self.inverse_mass(i + 1));
             let delta = q - p;
-            let weight = (wa + wb).max(LEAST_WEIGHT) + compliance;
-            let error = if self.has_stick(i) { projection.error(delta.length_squared(), rest) } else { 0.0 };
-            let scale = error * part / weight;
+            let weight = (wa + wb).max(LEAST_WEIGHT) + self.compliance(i, stick);
+            let scale = projection.error(delta.length_squared(), stick.rest) * part / weight;
             self.set_position(i, p + delta * (scale * wa));
             self.set_position(i + 1, q - delta * (scale * wb));
         }
     }
 
-    /// True if there is a stick from particle `i` to the next one.
+    /// The compliance of the stick below particle `i`.
     #[inline(always)]
-    fn has_stick(&self, i: usize) -> bool {
-        self.gaps.is_none_or(|gaps| gaps[i] & 1 == 0)
+    fn compliance(&self, i: usize, stick: ElasticStick) -> f32 {
+        self.softness.map_or(stick.compliance, |softness| stick.compliance * softness[i])
     }
 
     #[inline(always)]
@@ -229,33 +224,77 @@ impl LoneChain<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraint::direct::testing::{RIGID, SOFT, Solve, chains, lane_of, softness, width_share};
     use crate::constraint::projection::Exact;
+    use crate::simd::isa::Isa;
+    use crate::simd::miri::unless_miri;
 
-    /// The width of a gap is no strain: both parts of the chain move as they do alone.
+    fn bits(cells: &[Cell]) -> Vec<u32> {
+        cells.iter().flat_map(|cell| cell.axes().map(|axis| axis.map(f32::to_bits))).flatten().collect()
+    }
+
+    /// The scalar form, which ropes run: short and long steps, to the bit.
+    #[test]
+    fn each_lane_does_what_a_lone_chain_does() {
+        let cases = [(0.02, RIGID), (1.0, RIGID), (0.02, SOFT), (1.0, SOFT)];
+        for ((stretched, stick), is_torn) in cases.into_iter().flat_map(|case| [(case, false), (case, true)])
+        {
+            for count in [2, 3, unless_miri(40, 5)] {
+                let softness = softness(count);
+                let (mut position, inverse_mass) = chains(count, stretched);
+                let mut lone = position.clone();
+                let mut sticks = vec![LoneStick::default(); count];
+                for lane in 0..LANES {
+                    let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
+                    let compliance = stick.compliance / width_share(lane) as f32;
+                    let of_lane: Vec<f32> = softness.iter().map(|softness| softness[lane]).collect();
+                    let softness = is_torn.then_some(&*of_lane);
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots, softness }
+                        .solve(&mut sticks, ElasticStick { compliance, ..stick }, Exact);
+                }
+                Isa::detected().run(Solve {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    count,
+                    gaps: None,
+                    softness: is_torn.then_some(&*softness),
+                    stick,
+                });
+                assert!(bits(&position) == bits(&lone), "{count} particles, {stretched}, {stick:?}");
+            }
+        }
+    }
+
+    /// The width of a gap is no strain: both parts of a chain in the lanes move as they do alone.
     #[test]
     fn a_chain_with_a_wide_gap_moves_as_its_two_parts() {
         const COUNT: usize = 8;
-        let stick = ElasticStick { rest: 0.1, compliance: 0.0 };
-        let mut position = vec![Cell::default(); 1];
-        for i in 0..COUNT {
-            let beyond = if i < COUNT / 2 { 0.0 } else { 1.0 };
-            position[0].set(i, Vec3::new(0.104 * i as f32 + beyond, 0.01 * (i % 3) as f32, 0.0));
+        let gap = COUNT / 2;
+        let (mut position, inverse_mass) = chains(COUNT, 0.02);
+        for cell in &mut position[1 + 2 * gap..] {
+            (0..LANES).for_each(|lane| cell.set(lane, cell.get(lane) + Vec3::ONE));
         }
-        let inverse_mass = [[2.0; LANES]];
-        let slots: Vec<u32> = (0..COUNT as u32).collect();
-        let solved = |parts: &[&[u32]], gaps: Option<&[u16]>| {
-            let mut position = position.clone();
-            for slots in parts {
+        let before = position.clone();
+        let mut apart = position.clone();
+        for lane in 0..LANES {
+            let slots: Vec<u32> = lane_of(COUNT, |cell| (cell * LANES + lane) as u32);
+            let (first, second) = slots.split_at(gap);
+            for slots in [first, second] {
                 let mut chain =
-                    LoneChain { position: &mut position, inverse_mass: &inverse_mass, slots, gaps };
-                chain.solve(&mut [LoneStick::default(); COUNT], stick, Exact);
+                    LoneChain { position: &mut apart, inverse_mass: &inverse_mass, slots, softness: None };
+                chain.solve(&mut [LoneStick::default(); COUNT], RIGID, Exact);
             }
-            position
-        };
-        let gaps: Vec<u16> = (0..COUNT).map(|i| u16::from(i + 1 == COUNT / 2)).collect();
-        let (first, second) = slots.split_at(COUNT / 2);
-        let apart = solved(&[first, second], None);
-        assert!(apart != position, "something moves");
-        assert!(solved(&[&slots], Some(&gaps)) == apart);
+        }
+        let gaps: Vec<u16> = (0..COUNT).map(|i| if i + 1 == gap { u16::MAX } else { 0 }).collect();
+        Isa::detected().run(Solve {
+            position: &mut position,
+            inverse_mass: &inverse_mass,
+            count: COUNT,
+            gaps: Some(&gaps),
+            softness: None,
+            stick: RIGID,
+        });
+        assert!(position != before, "something moves");
+        assert!(bits(&position) == bits(&apart));
     }
 }

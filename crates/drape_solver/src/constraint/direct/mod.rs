@@ -9,6 +9,9 @@ pub(crate) mod grid_lines;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
 mod resistance;
+mod strip_widths;
 pub(crate) mod taut_chain;
+#[cfg(test)]
+mod testing;
 pub(crate) mod thread_friction;
 mod torn_lines;

@@ -10,20 +10,22 @@
 
 use std::sync::{Arc, Weak};
 
-use crate::constraint::direct::grid_lines::{LineStorage, Lines, RuledGrid};
+use crate::constraint::direct::bundle::TornBundles;
+use crate::constraint::direct::grid_lines::{ALL_LINES, LineStorage, Lines, RuledGrid};
+use crate::constraint::direct::strip_widths::StripWidths;
 use crate::simd::columns::LANES;
+use crate::state::grid::GridBatch;
 use crate::state::layout::Layout;
-use crate::state::topology::{BatchSticks, Topology};
-use crate::state::torn_grid::TornGrid;
+use crate::state::topology::{BatchSticks, StickBatch, Topology};
 
-/// The number of particles of a line of the grid that loose sticks take along at each of their ends: its pull then moves them
+/// The number of particles of a line of the grid that rigid loose sticks take along at each of their ends: its pull then moves them
 /// together. One alone would give way.
 const REACH: usize = 4;
 
-/// What sets the rows and columns of a torn grid apart from those of a whole one.
+/// The differences of the lines of a torn grid from those of a whole one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TornLines {
-    along: [TornDirection; 2],
+    along: [TornDirection; 4],
     /// The topology from which they follow.
     topology: Weak<Topology>,
 }
@@ -32,170 +34,258 @@ pub(super) struct TornLines {
 #[derive(Clone, Debug, Default)]
 struct TornDirection {
     /// For each bundle of lines that are solved side by side, and each place in these: bit mask of the lanes without a stick
-    /// to the next place, lane 0 in the lowest bit. Empty if the grid is whole.
+    /// to the next place, lane 0 in the lowest bit. Empty if the grid is whole, or has too few lines for a bundle.
     gaps: Vec<u16>,
-    /// Slots of the particles along loose sticks, line after line.
+    /// The compliance of these sticks, in parts of that inside the cloth. Empty if they are no springs.
+    softness: Vec<[f32; LANES]>,
+    lone: LineList,
+}
+
+/// Lines that are solved one after another.
+#[derive(Clone, Debug, Default)]
+struct LineList {
+    /// Slots of the particles.
     slots: Vec<u32>,
-    /// The ends of these lines in `slots`.
+    /// For each particle the compliance of its stick to the next one, in parts of that inside the cloth. Empty if they are no springs.
+    softness: Vec<f32>,
+    /// The ends of the lines in `slots`.
     ends: Vec<usize>,
 }
 
+/// A line that is solved by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoneLine<'a> {
+    /// Slots of its particles.
+    pub slots: &'a [u32],
+    /// For each particle the compliance of its stick to the next one, in parts of that inside the cloth; none if they are no springs.
+    pub softness: Option<&'a [f32]>,
+}
+
+/// A stick from one particle of a line to the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Link {
+    /// Lines in the same direction have different numbers.
+    line: isize,
+    /// The column or row in which it begins.
+    place: isize,
+    slots: [u32; 2],
+}
+
 impl TornLines {
-    /// Lists gaps and loose lines, and returns true, unless they are listed for this topology.
-    pub fn note(&mut self, topology: &Arc<Topology>, grid: RuledGrid) -> bool {
+    /// Lists gaps and loose lines, and returns true, unless they are listed for this topology. `grid` is what is left of its grid.
+    pub fn note(&mut self, topology: &Arc<Topology>, grid: Option<RuledGrid>) -> bool {
         if core::ptr::eq(self.topology.as_ptr(), Arc::as_ptr(topology)) {
             return false;
         }
         self.topology = Arc::downgrade(topology);
-        for (own, lines) in self.along.iter_mut().zip([Lines::Rows, Lines::Columns]) {
-            own.gaps.clear();
-            own.slots.clear();
-            own.ends.clear();
-            if let Layout::Torn(torn) = &topology.layout {
-                own.note_gaps(topology, grid, lines);
-                own.note_loose(topology, torn, grid, lines);
+        let widths = topology.membrane.filter(|_| topology.is_torn_grid()).map(|_| StripWidths::of(topology));
+        for lines in ALL_LINES {
+            let own = &mut self.along[lines as usize];
+            *own = TornDirection::default();
+            if topology.is_torn_grid() && lines.can_be_solved(topology) {
+                let widths = widths.as_ref().filter(|_| lines.springs(topology).is_some());
+                own.note(topology, grid, lines, widths);
             }
         }
         true
     }
 
-    fn direction(&self, lines: Lines) -> Option<&TornDirection> {
-        match lines {
-            Lines::Rows => Some(&self.along[0]),
-            Lines::Columns => Some(&self.along[1]),
-            Lines::Diagonals | Lines::Antidiagonals => None,
+    /// The differences of these lines where they are solved side by side.
+    pub fn bundles(&self, lines: Lines) -> TornBundles<'_> {
+        let TornDirection { gaps, softness, .. } = &self.along[lines as usize];
+        TornBundles {
+            gaps: Some(&**gaps).filter(|gaps| !gaps.is_empty()),
+            softness: Some(&**softness).filter(|softness| !softness.is_empty()),
         }
     }
 
-    /// The gaps along these lines, bundle after bundle; none if the grid is whole.
-    pub fn gaps(&self, lines: Lines) -> Option<&[u16]> {
-        self.direction(lines).map(|own| &*own.gaps).filter(|gaps| !gaps.is_empty())
+    /// Each line in this direction that no bundle takes.
+    pub fn lone(&self, lines: Lines) -> impl Iterator<Item = LoneLine<'_>> {
+        let LineList { slots, softness, ends } = &self.along[lines as usize].lone;
+        let starts = core::iter::once(0).chain(ends.iter().copied());
+        starts
+            .zip(ends)
+            .map(|(start, &end)| LoneLine { slots: &slots[start..end], softness: softness.get(start..end) })
     }
 
-    /// The slots of each line of loose sticks in this direction.
-    pub fn loose(&self, lines: Lines) -> impl Iterator<Item = &[u32]> {
-        self.direction(lines).into_iter().flat_map(|own| {
-            let starts = core::iter::once(0).chain(own.ends.iter().copied());
-            starts.zip(&own.ends).map(|(start, &end)| &own.slots[start..end])
-        })
-    }
-
-    /// The number of particles in the longest line of loose sticks.
+    /// The number of particles in the longest line that no bundle takes.
     pub fn longest(&self) -> usize {
-        let longest = |lines| self.loose(lines).map(<[u32]>::len).max().unwrap_or_default();
-        longest(Lines::Rows).max(longest(Lines::Columns))
+        let longest = |lines| self.lone(lines).map(|line| line.slots.len()).max().unwrap_or_default();
+        ALL_LINES.into_iter().map(longest).max().unwrap_or_default()
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        let bytes = |TornDirection { gaps, slots, ends }: &TornDirection| {
-            size_of_val(&**gaps) + size_of_val(&**slots) + size_of_val(&**ends)
+        let bytes = |TornDirection { gaps, softness, lone }: &TornDirection| {
+            let of_lone = size_of_val(&*lone.slots) + size_of_val(&*lone.softness) + size_of_val(&*lone.ends);
+            size_of_val(&**gaps) + size_of_val(&**softness) + of_lone
         };
         self.along.iter().map(bytes).sum()
     }
 }
 
 impl TornDirection {
-    fn note_gaps(&mut self, topology: &Topology, grid: RuledGrid, lines: Lines) {
+    fn note(
+        &mut self,
+        topology: &Topology,
+        grid: Option<RuledGrid>,
+        lines: Lines,
+        widths: Option<&StripWidths>,
+    ) {
+        let bundled = grid.filter(|&grid| lines.storage(grid) != LineStorage::Lone);
+        if let Some(grid) = bundled {
+            self.note_sticks(topology, grid, lines, widths);
+        }
+        let links = links(topology, lines, bundled.is_none());
+        for mut chain in chains(&links) {
+            if let (Some(grid), None) = (bundled, widths) {
+                self.reach_out(topology, grid, lines, &mut chain);
+            }
+            let LineList { slots, softness, ends } = &mut self.lone;
+            if let Some(widths) = widths {
+                softness.extend(chain.windows(2).map(|ends| widths.softness(lines, [ends[0], ends[1]])));
+                softness.push(1.0);
+            }
+            slots.extend(chain);
+            ends.push(slots.len());
+        }
+    }
+
+    /// Notes the gaps of lines of the grid, and what has become softer.
+    fn note_sticks(
+        &mut self,
+        topology: &Topology,
+        grid: RuledGrid,
+        lines: Lines,
+        widths: Option<&StripWidths>,
+    ) {
         let (number, count) = lines.size(grid);
         let bundles = match lines.storage(grid) {
             LineStorage::InPlace => grid.patches.map_or(0, |patches| patches.width),
-            LineStorage::Transposed | LineStorage::Gathered => number.div_ceil(LANES),
-            LineStorage::Lone => number,
+            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => number.div_ceil(LANES),
         };
-        self.gaps.resize(bundles * count, u16::MAX);
-        for batch in &topology.batches {
-            let BatchSticks::Grid { batch: half, severed, .. } = &batch.sticks else { continue };
-            if half.offset() != offset(lines) {
-                continue;
+        let cell_and_lane = |start: [usize; 2]| {
+            let [line, place] = lines.line_and_place(grid, start);
+            let (bundle, lane) = lines.bundle_of(grid, line);
+            (bundle * count + place, lane)
+        };
+        self.gaps.resize(bundles * count, 0);
+        for half in halves(topology, lines) {
+            let own = topology.batches.iter().find_map(|batch| match &batch.sticks {
+                BatchSticks::Grid { batch, severed, .. } if *batch == half => Some(severed),
+                _ => None,
+            });
+            // A half that has lost all its sticks has no batch.
+            let all = if own.is_none() { 0..half.count() } else { 0..0 };
+            let severed = own.into_iter().flatten().map(|&stick| stick as usize);
+            for stick in severed.chain(all) {
+                let (cell, lane) = cell_and_lane(half.start(stick));
+                self.gaps[cell] |= 1 << lane;
             }
-            let mut severed = severed.iter().peekable();
-            for stick in 0..half.count() {
-                if severed.next_if_eq(&&(stick as u32)).is_none() {
-                    let [line, place] = line_and_place(lines, half.start(stick));
-                    let (bundle, lane) = lines.bundle_of(grid, line);
-                    self.gaps[bundle * count + place] &= !(1 << lane);
-                }
+        }
+        if let (Some(widths), Layout::Torn(torn)) = (widths, &topology.layout) {
+            self.softness.resize(bundles * count, [1.0; LANES]);
+            for [from, to] in widths.other_than_inside(lines, torn.grid) {
+                let (cell, lane) = cell_and_lane(torn.grid.place(from as usize));
+                self.softness[cell][lane] = widths.softness(lines, [from, to]);
             }
         }
     }
 
-    /// Lists the loose sticks that are as long as those of the grid, in lines as long as may be.
-    fn note_loose(&mut self, topology: &Topology, torn: &TornGrid, grid: RuledGrid, lines: Lines) {
-        let of_grid = topology.batches.iter().find_map(|batch| match batch.sticks {
-            BatchSticks::Grid { batch: half, rest_length, .. } if half.offset() == offset(lines) => {
-                Some((batch.material, rest_length))
-            }
-            _ => None,
-        });
-        let Some((material, rest_length)) = of_grid else {
-            return;
-        };
-        let mut sticks = Vec::new();
-        for batch in topology.batches.iter().filter(|batch| batch.material == material) {
-            let BatchSticks::Loose(loose) = &batch.sticks else { continue };
-            for stick in loose.iter().filter(|stick| stick.rest_length == rest_length) {
-                let ends = stick.slots.map(|slot| {
-                    let home = torn.index(slot as usize).map_or(slot, |index| torn.home(index));
-                    (line_and_place(lines, torn.grid.place(home as usize)), slot)
-                });
-                let [(from, a), (to, b)] = if ends[0] <= ends[1] { ends } else { [ends[1], ends[0]] };
-                if to == [from[0], from[1] + 1] {
-                    sticks.push((from, [a, b]));
-                }
-            }
-        }
-        sticks.sort_unstable();
-        let mut chains: Vec<Vec<u32>> = Vec::new();
-        for of_line in sticks.chunk_by(|p, q| p.0[0] == q.0[0]) {
-            let first = chains.len();
-            for &(_, [a, b]) in of_line {
-                match chains[first..].iter_mut().find(|chain| chain.last() == Some(&a)) {
-                    Some(chain) => chain.push(b),
-                    None => chains.push(vec![a, b]),
-                }
-            }
-        }
-        for chain in chains {
-            if let (Some(&first), Some(&last)) = (chain.first(), chain.last()) {
-                let before = self.beyond(torn, grid, lines, first, -1);
-                let after = self.beyond(torn, grid, lines, last, 1);
-                self.slots.extend(before.into_iter().rev().chain(chain).chain(after));
-                self.ends.push(self.slots.len());
-            }
-        }
-    }
-
-    /// The slots of the next particles of the grid's line, before or behind the one in `slot`, up to a gap.
-    fn beyond(&self, torn: &TornGrid, grid: RuledGrid, lines: Lines, slot: u32, step: isize) -> Vec<u32> {
+    /// Adds the particles of the grid's line before and behind a chain, up to gaps.
+    fn reach_out(&self, topology: &Topology, grid: RuledGrid, lines: Lines, chain: &mut Vec<u32>) {
+        let Layout::Torn(torn) = &topology.layout else { return };
         let (_, count) = lines.size(grid);
-        let mut slots = Vec::new();
-        let is_home = torn.index(slot as usize).is_some_and(|index| torn.home(index) == slot);
-        if !is_home {
-            return slots;
-        }
-        let [line, mut place] = line_and_place(lines, torn.grid.place(slot as usize));
-        let (bundle, lane) = lines.bundle_of(grid, line);
-        while slots.len() < REACH {
-            let Some(next) = place.checked_add_signed(step).filter(|&next| next < count) else { break };
-            if self.gaps[bundle * count + place.min(next)] & (1 << lane) != 0 {
-                break;
+        let beyond = |slot: u32, step: isize| {
+            let mut slots = Vec::new();
+            let is_home = torn.index(slot as usize).is_some_and(|index| torn.home(index) == slot);
+            if !is_home {
+                return slots;
             }
-            place = next;
-            // `line_and_place` is its own inverse.
-            let [column, row] = line_and_place(lines, [line, place]);
-            slots.push(torn.grid.slot(column, row) as u32);
+            let [line, mut place] = lines.line_and_place(grid, torn.grid.place(slot as usize));
+            let (bundle, lane) = lines.bundle_of(grid, line);
+            while slots.len() < REACH {
+                let Some(next) = place.checked_add_signed(step).filter(|&next| next < count) else { break };
+                if self.gaps[bundle * count + place.min(next)] & (1 << lane) != 0 {
+                    break;
+                }
+                place = next;
+                // In rows and columns `line_and_place` is its own inverse.
+                let [column, row] = lines.line_and_place(grid, [line, place]);
+                slots.push(torn.grid.slot(column, row) as u32);
+            }
+            slots
+        };
+        if let (Some(&first), Some(&last)) = (chain.first(), chain.last()) {
+            let mut before = beyond(first, -1);
+            before.reverse();
+            chain.splice(0..0, before);
+            chain.extend(beyond(last, 1));
         }
-        slots
     }
 }
 
-/// Columns to the right and rows down to the next particle of a line.
-fn offset(lines: Lines) -> (isize, usize) {
-    if lines == Lines::Rows { (1, 0) } else { (0, 1) }
+/// The two halves of the family of a torn grid that lie along these lines.
+fn halves(topology: &Topology, lines: Lines) -> impl Iterator<Item = GridBatch> {
+    let [right, down] = lines.offset();
+    let grid = topology.layout.grid();
+    grid.into_iter().flat_map(move |grid| GridBatch::halves(grid, right, down.unsigned_abs()))
 }
 
-/// The line of a column and row, and the place in it.
-fn line_and_place(lines: Lines, [column, row]: [usize; 2]) -> [usize; 2] {
-    if lines == Lines::Rows { [row, column] } else { [column, row] }
+/// The sticks along these lines that no bundle takes, in order: loose and listed ones, or `all`.
+fn links(topology: &Topology, lines: Lines, all: bool) -> Vec<Link> {
+    let is_spring = lines.springs(topology).is_some();
+    let is_family = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Grid { .. });
+    let is_along = |batch: &StickBatch| is_family(batch) && Lines::along(batch, topology) == Some(lines);
+    let family = topology.batches.iter().find(|batch| is_along(batch));
+    let family = family.map(|batch| (batch.material, topology.rest_length(batch.first)));
+    let links = topology.batches.iter().flat_map(|batch| {
+        let is_own = if is_family(batch) { all && is_along(batch) } else { true };
+        let is_alike =
+            move |&stick: &usize| is_spring || family == Some((batch.material, topology.rest_length(stick)));
+        let sticks = if is_own { batch.range() } else { 0..0 };
+        sticks.filter(is_alike).filter_map(|stick| Link::new(topology, lines, stick))
+    });
+    let mut links: Vec<Link> = links.collect();
+    links.sort_unstable();
+    links
+}
+
+impl Link {
+    /// A stick, if it lies along these lines.
+    fn new(topology: &Topology, lines: Lines, stick: usize) -> Option<Self> {
+        let ends = topology.stick(stick);
+        let [a, b] = ends.map(|end| topology.place_in_grid(end as usize));
+        let ([from, to], slots) = ([a?, b?], topology.stick_slots(stick).map(|slot| slot as u32));
+        let is_step = |[from, to]: [[isize; 2]; 2]| [to[0] - from[0], to[1] - from[1]] == lines.offset();
+        let ([column, row], slots) = if is_step([from, to]) {
+            (from, slots)
+        } else if is_step([to, from]) {
+            (to, [slots[1], slots[0]])
+        } else {
+            return None;
+        };
+        let [line, place] = match lines {
+            Lines::Rows => [row, column],
+            Lines::Columns => [column, row],
+            Lines::Diagonals => [column - row, row],
+            Lines::Antidiagonals => [column + row, row],
+        };
+        Some(Self { line, place, slots })
+    }
+}
+
+/// The slots along links that follow each other, in chains as long as may be.
+fn chains(links: &[Link]) -> Vec<Vec<u32>> {
+    let mut chains: Vec<Vec<u32>> = Vec::new();
+    for of_line in links.chunk_by(|p, q| p.line == q.line) {
+        let first = chains.len();
+        for &Link { slots: [a, b], .. } in of_line {
+            match chains[first..].iter_mut().find(|chain| chain.last() == Some(&a)) {
+                Some(chain) => chain.push(b),
+                None => chains.push(vec![a, b]),
+            }
+        }
+    }
+    chains
 }
