@@ -3,6 +3,8 @@
 //! `cargo run --release --example soft_ball --features window`; `--headless` runs without a window, and `--picture FILE` draws
 //! a picture with `--features render`.
 
+use core::f32::consts::FRAC_PI_2;
+
 use bevy::prelude::*;
 use bevy_drape::attach::PlaneLock;
 use bevy_drape::prelude::*;
@@ -34,7 +36,8 @@ fn setup(mut commands: Commands) {
     ] {
         let ball = SoftBall { stiffness, ..SoftBall::new(0.35) };
         commands.spawn((ball, PlaneLock::default(), paint, Transform::from_xyz(x, 1.8, 0.0)));
-        // Its middle is in the plane: what it pushes stays there.
-        commands.spawn((Obstacle::sphere(0.12), Transform::from_xyz(x + 0.08, 0.75, 0.0)));
+        // Across the plane: what it pushes stays there.
+        let peg = Transform::from_xyz(x + 0.08, 0.75, 0.0).with_rotation(Quat::from_rotation_x(FRAC_PI_2));
+        commands.spawn((Obstacle::capsule(0.12, 0.4), peg));
     }
 }

@@ -46,17 +46,18 @@ fn setup(mut commands: Commands) {
     let tied = Attachment::first(hook).and(Tie::last(ball));
     commands.spawn((Rope::new(from, to, 40), tied, RopeMesh::new(0.015), hemp));
 
-    // A crate of 2 kg hangs below it.
+    // A crate of 2 kg hangs below it. Its rope and the curtain touch.
+    let touching = SolverSettings { self_contact: SelfContact::On, ..default() };
     let crate_at = to + Vec3::NEG_Y * 0.75;
     let size = Vec3::splat(0.22);
     let crate_ = (Obstacle::cuboid(size.x, size.y, size.z), DynamicObstacle::cuboid(2.0, size));
     let place = Transform::from_translation(crate_at);
     let crate_ = commands.spawn((crate_, place, Paint::rgb(0.55, 0.38, 0.20))).id();
     let tied = Attachment::first(ball).and(Tie::last(crate_));
-    commands.spawn((Rope::new(to, crate_at, 40), tied, RopeMesh::new(0.012), hemp));
+    commands.spawn((Rope::new(to, crate_at, 40), touching, tied, RopeMesh::new(0.012), hemp));
 
     let curtain = Cloth::new(1.6, 1.9).with_particles(49, 57);
     let turned = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
     let place = Transform::from_xyz(0.35, BEAM - 1.0, 0.0).with_rotation(turned);
-    commands.spawn((curtain, Paint::rgb(0.62, 0.16, 0.16), place));
+    commands.spawn((curtain, touching, Paint::rgb(0.62, 0.16, 0.16), place));
 }

@@ -56,7 +56,10 @@ type Bare = (
 
 fn add_body_materials(
     bodies: Query<
-        (Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>, Has<Cloth>, Has<ClothMesh>, Has<SkinnedMesh>),
+        (
+            (Entity, Option<&Paint>, Option<(&Rope, &RopeMesh)>),
+            (Has<Cloth>, Has<ClothMesh>, Has<SkinnedMesh>, Has<SoftBall>),
+        ),
         Bare,
     >,
     shared: Res<SharedMaterials>,
@@ -64,13 +67,14 @@ fn add_body_materials(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    for (entity, paint, rope, is_cloth, is_cloth_mesh, is_skinned) in &bodies {
+    for ((entity, paint, rope), (is_cloth, is_cloth_mesh, is_skinned, is_soft_ball)) in &bodies {
         let painted = paint.map(|paint| {
             let colour = paint.color();
             materials.add(match rope {
                 Some((rope, tube)) => surfaces.rope(colour, rope, tube),
                 None if is_cloth => surfaces.cloth(colour),
                 None if is_cloth_mesh || is_skinned => surfaces.cloth_mesh(colour),
+                None if is_soft_ball => surfaces.soft_ball(colour),
                 None => jelly(colour),
             })
         });

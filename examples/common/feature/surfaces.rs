@@ -13,6 +13,7 @@ pub struct Surfaces {
     hemmed: Handle<Image>,
     weave: Handle<Image>,
     strands: Handle<Image>,
+    beach_ball: Handle<Image>,
     tiles: Handle<Image>,
     ripples: Handle<Image>,
 }
@@ -24,6 +25,7 @@ impl FromWorld for Surfaces {
             hemmed: images.add(textures::weave(true)),
             weave: images.add(textures::weave(false)),
             strands: images.add(textures::strands()),
+            beach_ball: images.add(textures::beach_ball()),
             tiles: images.add(textures::tiles()),
             ripples: images.add(textures::ripples()),
         }
@@ -47,6 +49,11 @@ impl Surfaces {
         // A strand goes round within about six radii.
         let turns = rope.start.distance(rope.end) / (6.0 * tube.radius.max(1e-3));
         fabric(colour, self.strands.clone(), Affine2::from_scale(Vec2::new(1.0, turns.max(1.0).round())))
+    }
+
+    /// A ball of jelly in a plane.
+    pub fn soft_ball(&self, colour: Color) -> StandardMaterial {
+        StandardMaterial { base_color_texture: Some(self.beach_ball.clone()), ..jelly(colour) }
     }
 
     /// The ground without a colour of its own, in tiles of a metre, to tell how large things are.

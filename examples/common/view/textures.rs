@@ -90,6 +90,22 @@ pub fn strands() -> Image {
     })
 }
 
+/// A grey beach ball as seen along its axis, to be multiplied by a colour: six gores around a button, darker towards the rim.
+pub fn beach_ball() -> Image {
+    with_mips(512, 512, |u, v| {
+        let at = Vec2::new(u - 0.5, v - 0.5) * 2.0;
+        let radius = at.length();
+        let gore = (3.0 * at.y.atan2(at.x) / PI).rem_euclid(2.0);
+        // Blurred by one part in fifty of the radius, so that all seams look alike.
+        let blur = 0.02 / radius.max(0.02);
+        let light = smooth(0.0, blur, gore.min(2.0 - gore)) * smooth(0.0, blur, (gore - 1.0).abs());
+        let gores = if gore < 1.0 { 1.0 } else { 0.55 };
+        let grey = mix([0.4; 3], [gores; 3], 0.5 + 0.5 * light);
+        let grey = mix([1.0; 3], grey, smooth(0.13, 0.15, radius));
+        grey.map(|part| part * (1.0 - 0.45 * radius.min(1.0).powi(3)))
+    })
+}
+
 /// Tiles along each side of [`tiles`].
 pub const TILES: f32 = 4.0;
 
