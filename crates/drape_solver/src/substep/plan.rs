@@ -6,7 +6,7 @@
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
-use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, Solved};
+use crate::constraint::direct::grid_lines::{Lines, Solved};
 use crate::constraint::direct::line::LineScratch;
 use crate::state::settings::BodySettings;
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
@@ -233,11 +233,12 @@ impl Plan {
     fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
-        self.lines.extend(ALL_LINES.into_iter().filter_map(|lines| Some((lines, lines.bends(topology)?))));
+        let threads = [Lines::Columns, Lines::Rows];
+        self.lines.extend(threads.into_iter().filter_map(|lines| Some((lines, lines.bends(topology)?))));
         let sticks = |lines: Lines| Some((lines, lines.sticks(topology, stiffness, settings)?));
         let half = |(lines, solved): (Lines, Solved)| Some((lines, solved.half()?));
         let diagonals = [Lines::Diagonals, Lines::Antidiagonals].map(sticks);
-        let threads = [Lines::Columns, Lines::Rows].map(sticks);
+        let threads = threads.map(sticks);
         let has_diagonals = diagonals.iter().any(Option::is_some);
         if has_diagonals {
             let halves = threads.into_iter().flatten().filter_map(half);

@@ -17,7 +17,7 @@ use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
 /// The lines of all directions.
-pub(crate) const ALL_LINES: [Lines; 4] =
+pub(super) const ALL_LINES: [Lines; 4] =
     [Lines::Diagonals, Lines::Antidiagonals, Lines::Columns, Lines::Rows];
 
 /// The lines of a grid in one direction.
@@ -80,12 +80,12 @@ impl Lines {
             && matches!(lines, Self::Rows | Self::Columns)
             && batch.material.kind == StickKind::Structural
             && stiffness >= 1.0;
-        (is_rigid || lines.elastic_sticks(topology).is_some()).then_some(lines)
+        (is_rigid || lines.springs(topology).is_some()).then_some(lines)
     }
 
     /// The sticks of these lines; none if none are to be solved directly.
     pub fn sticks(self, topology: &Topology, stiffness: &[f32], settings: &BodySettings) -> Option<Solved> {
-        self.elastic_sticks(topology).or_else(|| {
+        self.springs(topology).map(Solved::Sticks).or_else(|| {
             let batches = topology.batches.iter().zip(stiffness);
             let mut own = batches
                 .filter(|&(batch, &stiffness)| Self::of(batch, stiffness, topology, settings) == Some(self));
@@ -96,11 +96,6 @@ impl Lines {
                 BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
             })
         })
-    }
-
-    /// The sticks of these lines that have a compliance.
-    fn elastic_sticks(self, topology: &Topology) -> Option<Solved> {
-        self.springs(topology).map(Solved::Sticks)
     }
 
     /// The springs along these lines; none if their sticks are no springs.
@@ -163,7 +158,6 @@ impl Lines {
     pub(super) fn bundle_of(self, grid: RuledGrid, line: usize) -> (usize, usize) {
         match (self.storage(grid), grid.patches) {
             (LineStorage::InPlace, Some(patches)) => (line % patches.width, line / patches.width),
-            (LineStorage::Lone, _) => (line, 0),
             _ => (line / LANES, line % LANES),
         }
     }

@@ -78,11 +78,12 @@ impl TornLines {
             return false;
         }
         self.topology = Arc::downgrade(topology);
-        let widths = topology.membrane.filter(|_| topology.is_torn_grid()).map(|_| StripWidths::of(topology));
+        let is_torn = topology.is_torn_grid();
+        let widths = (is_torn && topology.has_membrane()).then(|| StripWidths::of(topology));
         for lines in ALL_LINES {
             let own = &mut self.along[lines as usize];
             *own = TornDirection::default();
-            if topology.is_torn_grid() && lines.can_be_solved(topology) {
+            if is_torn && lines.can_be_solved(topology) {
                 let widths = widths.as_ref().filter(|_| lines.springs(topology).is_some());
                 own.note(topology, grid, lines, widths);
             }
@@ -240,7 +241,7 @@ fn links(topology: &Topology, lines: Lines, all: bool) -> Vec<Link> {
     let family = topology.batches.iter().find(|batch| is_along(batch));
     let family = family.map(|batch| (batch.material, topology.rest_length(batch.first)));
     let links = topology.batches.iter().flat_map(|batch| {
-        let is_own = if is_family(batch) { all && is_along(batch) } else { true };
+        let is_own = !is_family(batch) || all && is_along(batch);
         let is_alike =
             move |&stick: &usize| is_spring || family == Some((batch.material, topology.rest_length(stick)));
         let sticks = if is_own { batch.range() } else { 0..0 };
