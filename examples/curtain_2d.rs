@@ -15,7 +15,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.5, 1.35, 2.4),
     target: Vec3::new(0.05, 1.28, 0.0),
-    picture_time: 1.2,
+    picture_time: 1.7,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, swing);
     },

@@ -36,8 +36,8 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
         let place = Vec3::new(DEPTH * (f32::from(step) - 1.5), 0.5 * height, 0.0);
         commands.spawn((Obstacle::cuboid(DEPTH, height, 3.0), Transform::from_translation(place)));
     }
-    let jelly = SoftBodyMesh { stiffness: 0.8, ..default() };
-    let cube = meshes.add(Cuboid::from_length(0.36));
+    let jelly = SoftBodyMesh { stiffness: 0.4, ..default() };
+    let cube = meshes.add(rounded_cube());
     for (place, turn, paint) in [
         (Vec3::new(-0.85, 1.5, 0.7), 0.2, Paint::rgb(0.85, 0.25, 0.35)),
         (Vec3::new(-0.4, 1.4, -0.15), 0.5, Paint::rgb(0.95, 0.70, 0.25)),
@@ -59,15 +59,28 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     commands.spawn((Mesh3d(fine), DrivenMesh { driver }, Paint::rgb(0.60, 0.35, 0.65), place));
 }
 
+/// A cube whose edges and corners are round: the sphere of the norm of order eight.
+fn rounded_cube() -> Mesh {
+    shaped_ball(1.0, [48, 32], |place| {
+        let order = place.abs().to_array().map(|part| part.powi(8)).iter().sum::<f32>();
+        place * (0.18 / libm::powf(order, 0.125))
+    })
+}
+
 /// A ball with twelve grooves.
 fn pudding() -> Mesh {
-    let mut mesh = Sphere::new(0.24).mesh().uv(144, 48);
+    shaped_ball(0.24, [144, 48], |place| {
+        let groove = 1.0 + 0.05 * libm::cosf(12.0 * libm::atan2f(place.y, place.x));
+        place * Vec3::new(groove, groove, 1.0)
+    })
+}
+
+/// A ball of so many sectors and stacks whose vertices are moved.
+fn shaped_ball(radius: f32, [sectors, stacks]: [u32; 2], moved: impl Fn(Vec3) -> Vec3) -> Mesh {
+    let mut mesh = Sphere::new(radius).mesh().uv(sectors, stacks);
     let places = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION);
     if let Some(bevy::mesh::VertexAttributeValues::Float32x3(places)) = places {
-        for place in places {
-            let groove = 1.0 + 0.05 * libm::cosf(12.0 * libm::atan2f(place[1], place[0]));
-            (place[0], place[1]) = (place[0] * groove, place[1] * groove);
-        }
+        places.iter_mut().for_each(|place| *place = moved(Vec3::from(*place)).to_array());
     }
     // Without normals of its own it is smooth all over, seam and all.
     mesh.remove_attribute(Mesh::ATTRIBUTE_NORMAL);

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A rope that touches itself, and one that does not",
     controls: "",
-    eye: Vec3::new(0.45, 1.9, 2.05),
-    target: Vec3::new(0.0, 1.85, 0.0),
+    eye: Vec3::new(0.7, 1.7, 3.5),
+    target: Vec3::new(0.0, 1.45, 0.0),
     picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, lay);

@@ -36,7 +36,7 @@ fn setup(mut commands: Commands) {
     let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
     commands.spawn((
         sheet,
-        Paint::rgb(0.20, 0.45, 0.50),
+        Paint::rgb(0.85, 0.72, 0.45),
         Transform::from_xyz(0.0, 0.9, 0.0).with_rotation(flat),
     ));
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {

@@ -17,9 +17,9 @@ use drape_playground::{WOOD, paint_obstacle};
 const FEATURE: Feature = Feature {
     title: "A parachute, and its crate in Avian",
     controls: "",
-    eye: Vec3::new(8.5, 4.5, 20.0),
-    target: Vec3::new(2.2, 6.2, 0.0),
-    picture_time: 3.4,
+    eye: Vec3::new(9.5, 5.0, 26.0),
+    target: Vec3::new(3.0, 8.0, 0.0),
+    picture_time: 3.8,
     build: |app| {
         app.add_plugins((PhysicsPlugins::default(), AvianDrapePlugin::default()))
             // A breeze, as faces feel nothing of air that stands quite still. A cup catches more of it than a plate.

@@ -31,7 +31,11 @@ pub fn cape_mesh() -> Mesh {
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         let (across, down) = (part(column, columns), part(row, rows));
         let half = 0.19 + 0.16 * down;
-        places.push([(2.0 * across - 1.0) * half, 1.46 - 0.95 * down, 0.17 + 0.07 * down]);
+        let aside = 2.0 * across - 1.0;
+        // The collar lies round the neck, its ends on the shoulders; further down the cape hangs behind the arms.
+        let collar = aside * aside * (1.0 - down).powi(6);
+        let (height, behind) = (1.46 - 0.95 * down + 0.04 * collar, 0.16 + 0.08 * down - 0.14 * collar);
+        places.push([aside * half, height, behind]);
         let (joint, weight) = skin(across, down);
         joints.push(joint);
         weights.push(weight);
