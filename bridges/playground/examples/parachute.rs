@@ -18,7 +18,7 @@ const FEATURE: Feature = Feature {
     title: "A parachute, and its crate in Avian",
     controls: "",
     eye: Vec3::new(9.5, 5.0, 26.0),
-    target: Vec3::new(3.0, 8.0, 0.0),
+    target: Vec3::new(3.0, 8.4, 0.0),
     picture_time: 3.8,
     build: |app| {
         app.add_plugins((PhysicsPlugins::default(), AvianDrapePlugin::default()))
