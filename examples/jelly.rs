@@ -62,8 +62,8 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
 /// A cube whose edges and corners are round: the sphere of the norm of order eight.
 fn rounded_cube() -> Mesh {
     shaped_ball(1.0, [48, 32], |place| {
-        let order = place.abs().to_array().map(|part| part.powi(8)).iter().sum::<f32>();
-        place * (0.18 / libm::powf(order, 0.125))
+        let sum = place.to_array().map(|part| part.powi(8)).iter().sum::<f32>();
+        place * (0.18 / libm::powf(sum, 0.125))
     })
 }
 

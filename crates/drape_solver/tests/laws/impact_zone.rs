@@ -16,18 +16,20 @@ fn sheet(count: u32, quality: Quality) -> Island {
 }
 
 /// True if the ball's centre is in front (+Z) of the sheet: a straight way from it to the front passes through an even number
-/// of faces, as the sheet hangs over in folds around a ball that has pushed it far.
+/// of faces, as the sheet hangs over in folds around a ball that has pushed it far. A ball that is thrown back may leave to the side.
 fn is_in_front(island: &Island) -> bool {
     let (centre, body) = (island.balls[0].position(), &island.bodies[0]);
-    let before = body.topology.faces().iter().filter(|face| {
+    let heights = body.topology.faces().iter().filter_map(|face| {
         let [a, b, c] = face.map(|i| body.particles.position(i as usize));
         let area = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate());
         let whole = area(a, b, c);
         let weights = [area(centre, b, c), area(a, centre, c), area(a, b, centre)].map(|part| part / whole);
         let is_over = weights.into_iter().all(|weight| weight >= 0.0);
-        is_over && a.z * weights[0] + b.z * weights[1] + c.z * weights[2] > centre.z
+        is_over.then(|| centre.z - (a.z * weights[0] + b.z * weights[1] + c.z * weights[2]))
     });
-    before.count() % 2 == 0
+    let heights: Vec<f32> = heights.collect();
+    let faces_before = heights.iter().filter(|height| **height <= 0.0).count();
+    if heights.is_empty() { centre.z > 0.0 } else { faces_before % 2 == 0 }
 }
 
 /// Contacts and sticks alone let the heaviest ball through.
