@@ -76,12 +76,15 @@ pub const CHAIN_REGULARISER: f32 = 1e-4;
 /// The same for sticks with a compliance, which is all that they need but for rounding.
 pub(crate) const ELASTIC_REGULARISER: f32 = 2e-6;
 
-/// Strain of a rigid stick above which its line no longer takes its whole step: what pulls so hard may not give way, and lines
-/// that cannot all have their lengths would throw each other to and fro.
-pub(crate) const OVERSTRETCHED: f32 = 0.1;
+/// Mean strain of its rigid sticks above which a line of cloth no longer takes its whole step: what pulls so hard may not give way, and
+/// lines that cannot all have their lengths would throw each other to and fro.
+pub(crate) const OVERSTRETCHED: f32 = 0.05;
 
-/// A line takes one part in `1 + EASING e` of its step, with `e` the strain above that. With a half or twice as much some
-/// cloth that is pulled too far trembles.
+/// Strain of its longest rigid stick above which a rope no longer takes its whole step.
+pub(crate) const OVERSTRETCHED_STICK: f32 = 0.1;
+
+/// A line takes one part in `1 + EASING e` of its step, with `e` the strain above that. With a half as much more cloth that is pulled
+/// too far trembles, with twice as much it trembles faster.
 pub(crate) const EASING: f32 = 200.0;
 
 /// Greatest move of the ends of a stick against each other in a line solve, in rest lengths. The solve treats sticks as

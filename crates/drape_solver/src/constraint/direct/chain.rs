@@ -83,7 +83,7 @@ impl Chains<'_> {
     /// One Newton step on all sticks of these chains. `edges` has the lanes of chains at an edge of the cloth.
     ///
     /// If the step is too long for the sticks to count as straight, a chain takes only a part of it, and its sticks are
-    /// relaxed one by one from there. So it does if a stick is overstretched.
+    /// relaxed one by one from there. So it does if it is overstretched.
     pub fn solve<S: Simd>(
         &mut self,
         simd: S,
@@ -111,7 +111,7 @@ impl Chains<'_> {
     ) {
         let rest = stick.rest;
         let compliance = compliances(simd, stick.compliance, edges);
-        let error = self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
+        let stretch = self.eliminate(simd, scratch, rest, regulariser(stick), compliance);
         let [mut turn, tautness] = self.substitute(simd, scratch);
         let is_taut = tautness.simd_gt(f32x16::splat(simd, TAUT));
         if is_taut.any_true() {
@@ -121,7 +121,7 @@ impl Chains<'_> {
         let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
         let one = f32x16::splat(simd, 1.0);
         let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
-        let eased = eased_parts(simd, stick, error);
+        let eased = eased_parts(simd, stick, stretch);
         let part = part * eased;
         if is_taut.any_true() {
             self.apply::<S, true>(simd, scratch, part, is_taut);
@@ -139,7 +139,7 @@ impl Chains<'_> {
     }
 
     /// Elimination down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick. Returns
-    /// the greatest error in metres.
+    /// by how many metres a stick that can give way is too long on average; one that is too short counts as 0.
     #[inline(always)]
     fn eliminate<S: Simd>(
         &self,
@@ -157,7 +157,7 @@ impl Chains<'_> {
         let mut wa = self.inverse_mass(simd, 0);
         let mut above = Lanes3 { x: zero, y: zero, z: zero };
         let (mut inverse_above, mut right_above) = (zero, zero);
-        let mut greatest = zero;
+        let (mut excess, mut number) = (zero, zero);
         for i in 0..self.count - 1 {
             let b = self.position(simd, i + 1);
             let wb = self.inverse_mass(simd, i + 1);
@@ -169,10 +169,12 @@ impl Chains<'_> {
             let is_free: mask32x16<S> = weight.simd_gt(least);
             let scale = has_length.select(one / length, zero);
             let direction = delta.times(scale);
-            let error = (has_length & is_free).select(length - rest, zero);
+            let can_give_way = has_length & is_free;
+            let error = can_give_way.select(length - rest, zero);
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
-            greatest = greatest.max(error);
+            excess += error.max(zero);
+            number += can_give_way.select(one, zero);
             let compliance = self.of_stick(simd, i, compliance);
             let own = (weight * (1.0 + regulariser)).max(weight + compliance).max(least);
             let pivot = own - lower * upper_above;
@@ -186,7 +188,7 @@ impl Chains<'_> {
             (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
         }
         sticks[self.count - 2].upper = [0.0; LANES];
-        greatest
+        excess / number.max(one)
     }
 
     /// Substitution up the chain: leaves each multiplier times the scale of its stick. Returns the square of the

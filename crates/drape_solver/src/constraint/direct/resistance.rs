@@ -4,7 +4,7 @@
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-use crate::constants::{CHAIN_REGULARISER, EASING, ELASTIC_REGULARISER, OVERSTRETCHED};
+use crate::constants::{CHAIN_REGULARISER, EASING, ELASTIC_REGULARISER, OVERSTRETCHED, OVERSTRETCHED_STICK};
 use crate::state::membrane::ElasticStick;
 
 /// The least compliance of sticks, in parts of the inverse masses of their ends.
@@ -24,16 +24,18 @@ fn easing(stick: ElasticStick) -> f32 {
     if stick.compliance > 0.0 { 0.0 } else { EASING }
 }
 
-/// The part of its step that a chain takes whose longest stick is too long by `error` metres.
+/// The part of its step that a lone line takes, as ropes are, whose longest stick is too long by `error` metres. The strands of a knot are longest in a few
+/// sticks, and a rope that took its whole step would pull them through each other.
 pub(super) fn eased_part(stick: ElasticStick, error: f32) -> f32 {
-    let excess = (error - OVERSTRETCHED * stick.rest) * (easing(stick) / stick.rest);
+    let excess = (error - OVERSTRETCHED_STICK * stick.rest) * (easing(stick) / stick.rest);
     1.0 / (1.0 + excess.max(0.0))
 }
 
-/// The same in lanes.
+/// The parts of their steps that lines of cloth take whose sticks are too long by `stretch` metres on average. A ball that lies on the cloth
+/// may stretch a few sticks for a moment: their line then takes its whole step, or the ball would sink in.
 #[inline(always)]
-pub(super) fn eased_parts<S: Simd>(simd: S, stick: ElasticStick, error: f32x16<S>) -> f32x16<S> {
+pub(super) fn eased_parts<S: Simd>(simd: S, stick: ElasticStick, stretch: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let excess = (error - OVERSTRETCHED * stick.rest) * (easing(stick) / stick.rest);
+    let excess = (stretch - OVERSTRETCHED * stick.rest) * (easing(stick) / stick.rest);
     one / (one + excess.max(zero))
 }
