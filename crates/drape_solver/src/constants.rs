@@ -80,11 +80,11 @@ pub(crate) const ELASTIC_REGULARISER: f32 = 2e-6;
 /// lines that cannot all have their lengths would throw each other to and fro.
 pub(crate) const OVERSTRETCHED: f32 = 0.05;
 
-/// Strain of its longest rigid stick above which a rope no longer takes its whole step.
+/// Strain of its longest rigid stick above which a rope, or another line that is solved alone, no longer takes its whole step.
 pub(crate) const OVERSTRETCHED_STICK: f32 = 0.1;
 
-/// A line takes one part in `1 + EASING e` of its step, with `e` the strain above that. With a half as much more cloth that is pulled
-/// too far trembles, with twice as much it trembles faster.
+/// A line takes one part in `1 + EASING e` of its step, with `e` the strain above that. With half as much, more cloth that is pulled too far
+/// trembles.
 pub(crate) const EASING: f32 = 200.0;
 
 /// Greatest move of the ends of a stick against each other in a line solve, in rest lengths. The solve treats sticks as

@@ -24,8 +24,8 @@ fn easing(stick: ElasticStick) -> f32 {
     if stick.compliance > 0.0 { 0.0 } else { EASING }
 }
 
-/// The part of its step that a lone line takes, as ropes are, whose longest stick is too long by `error` metres. The strands of a knot are longest in a few
-/// sticks, and a rope that took its whole step would pull them through each other.
+/// The part of its step that a line takes that is solved alone, as ropes are, and whose longest stick is too long by `error` metres. In a
+/// knot a few sticks carry the pull, and a rope that took its whole step would draw the strands through each other.
 pub(super) fn eased_part(stick: ElasticStick, error: f32) -> f32 {
     let excess = (error - OVERSTRETCHED_STICK * stick.rest) * (easing(stick) / stick.rest);
     1.0 / (1.0 + excess.max(0.0))
