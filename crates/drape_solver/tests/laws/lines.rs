@@ -99,19 +99,27 @@ fn fine_taut_sheets_come_to_rest() {
     }
 }
 
+/// A level sheet of high quality and `length` metres, pinned all round, below a square of `across` x `across` balls of `mass` kg. Their
+/// centres are `apart` metres apart, and `height` above the sheet.
+fn trampoline(length: f32, across: usize, mass: f32, [apart, height]: [f32; 2]) -> Island {
+    let n = 33;
+    let sheet = ClothBuilder::new(length, length, n, n)
+        .placed(Vec3::new(-0.5 * length, 0.0, -0.5 * length), Vec3::X, Vec3::Z)
+        .pin_where(move |column, row, _| is_side(column, n) || is_side(row, n));
+    let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
+    let material = BallMaterial { radius: 0.08, mass, ..BallMaterial::default() };
+    let middle = 0.5 * (across - 1) as f32 * apart;
+    for i in 0..across * across {
+        let [x, z] = [i % across, i / across].map(|place| place as f32 * apart - middle);
+        island.balls.push(ball(material, Vec3::new(x, height, z), Vec3::ZERO));
+    }
+    island
+}
+
 /// A trampoline with balls on it stayed in motion for ever.
 #[test]
 fn a_trampoline_under_balls_comes_to_rest() {
-    let n = 33;
-    let sheet = ClothBuilder::new(2.0, 2.0, n, n)
-        .placed(Vec3::new(-1.0, 0.0, -1.0), Vec3::X, Vec3::Z)
-        .pin_where(move |column, row, _| is_side(column, n) || is_side(row, n));
-    let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
-    let material = BallMaterial { radius: 0.08, mass: 0.2, ..BallMaterial::default() };
-    for i in 0..9 {
-        let place = Vec3::new((i % 3) as f32 * 0.4 - 0.4, 0.1, (i / 3) as f32 * 0.4 - 0.4);
-        island.balls.push(ball(material, place, Vec3::ZERO));
-    }
+    let mut island = trampoline(2.0, 3, 0.2, [0.4, 0.1]);
     run(&mut island, &gravity(FRAME), 8.0);
     let still_for = island.bodies[0].still_for();
     assert!(still_for > 1.0, "still for {still_for} s");
@@ -125,22 +133,11 @@ fn a_trampoline_under_balls_comes_to_rest() {
 /// of their steps: the sheet sagged by 0.18 m and trembled at 0.4 m/s.
 #[test]
 fn a_light_sheet_under_heavy_balls_is_calm() {
-    let n = 33;
-    let sheet = ClothBuilder::new(1.0, 1.0, n, n)
-        .placed(Vec3::new(-0.5, 0.0, -0.5), Vec3::X, Vec3::Z)
-        .pin_where(move |column, row, _| is_side(column, n) || is_side(row, n));
-    let mut island = Island::of_body(sheet.build(BodySettings::from(Quality::High)).expect("valid"));
-    let material = BallMaterial { radius: 0.08, mass: 0.5, ..BallMaterial::default() };
-    for i in 0..16 {
-        let place = Vec3::new((i % 4) as f32 * 0.2 - 0.3, 0.2, (i / 4) as f32 * 0.2 - 0.3);
-        island.balls.push(ball(material, place, Vec3::ZERO));
-    }
+    let mut island = trampoline(1.0, 4, 0.5, [0.2, 0.2]);
     run(&mut island, &gravity(FRAME), 3.0);
     let mut greatest = 0.0_f32;
     run_with(&mut island, &gravity(FRAME), 1.0, |island, _| {
-        let particles = particles(island);
-        let squares = (0..particles.len()).map(|i| particles.velocity(i).length_squared());
-        greatest = greatest.max((squares.sum::<f32>() / particles.len() as f32).sqrt());
+        greatest = greatest.max(measure::mean_square_speed(particles(island)).sqrt());
     });
     let lowest = positions(&island.bodies[0]).iter().map(|position| position.y).fold(0.0, f32::min);
     println!("law: a light sheet under heavy balls moves at {greatest} m/s and sags by {} m", -lowest);
