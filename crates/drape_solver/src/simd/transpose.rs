@@ -1,4 +1,4 @@
-//! Turns sixteen vectors of sixteen numbers into the sixteen of their columns.
+//! Shuffles of the numbers of several vectors: sixteen vectors of sixteen numbers turn into the sixteen of their columns.
 //!
 //! Design: `docs/design/kernels.md`.
 
@@ -66,6 +66,22 @@ fn shuffle<S: Simd>(v: [f32x16<S>; LANES]) -> [f32x16<S>; LANES] {
             if i % 2 == 0 { a.zip_low(b) } else { a.zip_high(b) }
         },
     )
+}
+
+/// A perfect shuffle of the 64 numbers of four vectors: the highest bit of a number's place becomes the lowest.
+#[inline(always)]
+pub(crate) fn shuffle_four<S: Simd>([a, b, c, d]: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+    let (first, second) = a.interleave(c);
+    let (third, fourth) = b.interleave(d);
+    [first, second, third, fourth]
+}
+
+/// The inverse of [`shuffle_four`].
+#[inline(always)]
+pub(crate) fn unshuffle_four<S: Simd>(v: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+    let (a, c) = v[0].deinterleave(v[1]);
+    let (b, d) = v[2].deinterleave(v[3]);
+    [a, b, c, d]
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::constants::LEAST_SHARED_CELLS;
 use crate::constraint::direct::bent_chain::ChainBend;
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::direct::grid_lines::{RuledGrid, Solved};
+use crate::constraint::direct::square_bundle::{self, SquareLines};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::{CellColumn, CellColumns};
@@ -64,11 +65,11 @@ pub(super) fn threads(most: usize, cells: usize) -> usize {
 }
 
 /// The direction of the lines.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Direction {
-    /// Bundle `k` is column `k` of all patches, which is in the lanes already.
+    /// In patches side by side, bundle `k` is column `k` of all patches, which is in the lanes already.
     Columns,
-    /// Bundle `k` is the rows from `16 k` on, which must be transposed into the lanes.
+    /// In patches side by side, bundle `k` is the rows from `16 k` on, which must be transposed into the lanes.
     Rows,
 }
 
@@ -93,7 +94,7 @@ impl<'a> TornBundles<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct BundleSolve<'a> {
     pub grid: RuledGrid,
-    /// The patches of the grid, which lie side by side.
+    /// The patches of the grid: side by side, or four by four.
     pub patches: Grid,
     pub inverse_mass: &'a [[f32; LANES]],
     /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
@@ -121,10 +122,13 @@ impl BundleSolve<'_> {
         workers: &Workers,
         threads: usize,
     ) {
-        let (number, width) = match self.direction {
-            Direction::Columns => (self.patches.width, self.patches.width),
-            // All cells side by side: rows are cut between two cells.
-            Direction::Rows => (self.grid.rows.div_ceil(LANES), position.len()),
+        // All cells side by side: rows are cut between two cells.
+        let all = position.len();
+        let (number, width, threads) = match (self.patches, self.direction) {
+            (Grid { down: 1, width, .. }, Direction::Columns) => (width, width, threads),
+            (Grid { down: 1, .. }, Direction::Rows) => (self.grid.rows.div_ceil(LANES), all, threads),
+            // A small grid: its bundles lie all over the cells.
+            (patches, direction) => (SquareLines::new(direction, patches).bundles(), all, 1),
         };
         let threads = threads.min(number).min(scratch.len());
         self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads);
@@ -185,9 +189,13 @@ impl SomeBundles<'_> {
     #[inline(always)]
     fn run_with<S: Simd>(mut self, simd: S, projection: impl Projection) {
         for bundle in self.bundles.clone() {
-            match self.solve.direction {
-                Direction::Columns => self.columns(simd, bundle, projection),
-                Direction::Rows => self.rows(simd, bundle * LANES, projection),
+            match (self.solve.patches.down, self.solve.direction) {
+                (1, Direction::Columns) => self.columns(simd, bundle, projection),
+                (1, Direction::Rows) => self.rows(simd, bundle * LANES, projection),
+                _ => {
+                    let Self { solve, position, scratch, .. } = &mut self;
+                    square_bundle::solve(simd, solve, bundle, position.row(0), scratch, projection);
+                }
             }
         }
     }

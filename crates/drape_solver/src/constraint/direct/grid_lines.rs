@@ -9,6 +9,8 @@
 //!
 //! Design: `docs/design/line_solves.md`.
 
+use crate::constraint::direct::bundle::Direction;
+use crate::constraint::direct::square_bundle::{SIDE, SquareLines};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::bends::{BendScratch, BentGrid, BentThreads};
 use crate::state::layout::{Grid, Layout};
@@ -135,6 +137,15 @@ impl Lines {
         Some((topology.bends.lines?.threads[direction]?, direction))
     }
 
+    /// The direction of lines that bundles take where they lie; none for diagonals, which are gathered.
+    pub(super) fn direction(self) -> Option<Direction> {
+        match self {
+            Self::Rows => Some(Direction::Rows),
+            Self::Columns => Some(Direction::Columns),
+            Self::Diagonals | Self::Antidiagonals => None,
+        }
+    }
+
     /// The number of lines, and of places in a line.
     pub(super) fn size(self, RuledGrid { columns, rows, .. }: RuledGrid) -> (usize, usize) {
         match self {
@@ -144,21 +155,49 @@ impl Lines {
         }
     }
 
-    pub(super) fn storage(self, grid: RuledGrid) -> LineStorage {
+    /// The number of places in a line with the ghosts behind it.
+    pub(super) fn places_with_ghosts(self, grid: RuledGrid) -> usize {
         match (self, grid.patches) {
-            (Self::Diagonals | Self::Antidiagonals, _) => LineStorage::Gathered,
+            (Self::Rows, Some(patches)) => patches.across * patches.width,
+            (Self::Columns, Some(patches)) => patches.down * patches.height,
+            _ => self.size(grid).1,
+        }
+    }
+
+    pub(super) fn storage(self, grid: RuledGrid) -> LineStorage {
+        let Some(direction) = self.direction() else {
+            return LineStorage::Gathered;
+        };
+        match (grid.patches, direction) {
             _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
-            (Self::Rows, Some(patches)) if patches.down == 1 => LineStorage::Transposed,
-            (Self::Columns, Some(patches)) if patches.down == 1 => LineStorage::InPlace,
+            (Some(Grid { down: 1, .. }), Direction::Rows) => LineStorage::Transposed,
+            (Some(patches @ Grid { down: 1, .. }), Direction::Columns) => LineStorage::InPlace(patches),
+            (Some(patches @ Grid { across: SIDE, down: SIDE, .. }), direction) => {
+                LineStorage::Shuffled(SquareLines::new(direction, patches))
+            }
             _ => LineStorage::Gathered,
+        }
+    }
+
+    /// The number of bundles in which the lines are solved.
+    pub(super) fn bundles(self, grid: RuledGrid) -> usize {
+        match self.storage(grid) {
+            LineStorage::InPlace(patches) => patches.width,
+            LineStorage::Shuffled(lines) => lines.bundles(),
+            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => {
+                self.size(grid).0.div_ceil(LANES)
+            }
         }
     }
 
     /// The bundle in which a line is solved, and its lane.
     pub(super) fn bundle_of(self, grid: RuledGrid, line: usize) -> (usize, usize) {
-        match (self.storage(grid), grid.patches) {
-            (LineStorage::InPlace, Some(patches)) => (line % patches.width, line / patches.width),
-            _ => (line / LANES, line % LANES),
+        match self.storage(grid) {
+            LineStorage::InPlace(patches) => (line % patches.width, line / patches.width),
+            LineStorage::Shuffled(lines) => lines.bundle_of(line),
+            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => {
+                (line / LANES, line % LANES)
+            }
         }
     }
 
@@ -278,12 +317,14 @@ impl RuledGrid {
 }
 
 /// The way that lines come into the lanes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LineStorage {
-    /// Columns: each is in a lane already.
-    InPlace,
-    /// Rows: they run through all lanes.
+    /// Columns of patches side by side: each is in a lane already.
+    InPlace(Grid),
+    /// Rows of patches side by side: they run through all lanes.
     Transposed,
+    /// Rows or columns of patches four by four.
+    Shuffled(SquareLines),
     /// Lines that run through some of the lanes.
     Gathered,
     /// Solved one by one, because there are too few of them.
@@ -298,7 +339,7 @@ pub(super) fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> 
     let lanes = match lines.storage(grid) {
         LineStorage::Gathered => LANES,
         LineStorage::Lone => 1,
-        LineStorage::InPlace | LineStorage::Transposed => return Vec::new(),
+        LineStorage::InPlace(_) | LineStorage::Transposed | LineStorage::Shuffled(_) => return Vec::new(),
     };
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));

@@ -2,11 +2,12 @@
 //! [chain](crate::constraint::direct::chain).
 //!
 //! ```text
-//!   columns, patches side by side         rows, the same                         patches in a square
-//!   lane = column: solved in place        sixteen rows at a time are transposed:     sixteen lines at a time are
-//!                                         lane = row; solved; transposed back        gathered, solved, scattered
+//!   columns, patches side by side         rows, the same                             patches four by four
+//!   lane = column: solved in place        sixteen rows at a time are transposed:     four lines of each patch are
+//!                                         lane = row; solved; transposed back        shuffled, solved, shuffled back
 //! ```
 //!
+//! Diagonals, and columns of patches one below the other, are gathered sixteen at a time, solved and scattered.
 //! Ropes, other grids of very few lines, and loose lines of torn grids are solved one [line](crate::constraint::direct::lone_chain) at a time.
 //!
 //! Design: `docs/design/line_solves.md`.
@@ -15,7 +16,7 @@ use std::sync::Arc;
 
 use fearless_simd::Simd;
 
-use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, Direction, grow, solve_chains};
+use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, grow, solve_chains};
 use crate::constraint::direct::chain::Chains;
 use crate::constraint::direct::grid_lines::{ALL_LINES, GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
@@ -61,16 +62,15 @@ impl LineScratch {
         if self.bundles.is_empty() {
             self.bundles.push(BundleScratch::default());
         }
-        // Transposed rows include the ghosts at their end.
-        let transposed =
-            |count: usize| grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
         for bundle in &mut self.bundles {
             if topology.bends.lines.is_some() {
                 let count = grid.columns.max(grid.rows);
                 grow(&mut bundle.bends, count);
                 bundle.reserve_particles(count);
                 if topology.bends.has_friction() {
-                    grow(&mut bundle.rest, transposed(count));
+                    let [rows, columns] =
+                        [Lines::Rows, Lines::Columns].map(|lines| lines.places_with_ghosts(grid));
+                    grow(&mut bundle.rest, rows.max(columns));
                 }
             }
         }
@@ -84,10 +84,11 @@ impl LineScratch {
             for bundle in &mut self.bundles {
                 match storage {
                     LineStorage::Lone => {}
-                    LineStorage::InPlace => bundle.chain.reserve(count),
-                    LineStorage::Transposed | LineStorage::Gathered => {
+                    LineStorage::InPlace(_) => bundle.chain.reserve(count),
+                    LineStorage::Transposed | LineStorage::Shuffled(_) | LineStorage::Gathered => {
                         bundle.chain.reserve(count);
-                        bundle.reserve_particles(transposed(count));
+                        // Lines are brought into the lanes with the ghosts behind them.
+                        bundle.reserve_particles(lines.places_with_ghosts(grid));
                     }
                 }
             }
@@ -153,8 +154,7 @@ pub(crate) fn solve(
         }
         let Some(grid) = grid else { continue };
         let direction = match lines.storage(grid) {
-            LineStorage::InPlace => Some(Direction::Columns),
-            LineStorage::Transposed => Some(Direction::Rows),
+            LineStorage::InPlace(_) | LineStorage::Transposed | LineStorage::Shuffled(_) => lines.direction(),
             // Solved one by one above.
             LineStorage::Lone if topology.is_torn_grid() => continue,
             LineStorage::Gathered | LineStorage::Lone => None,

@@ -9,6 +9,7 @@ pub(crate) mod grid_lines;
 pub(crate) mod line;
 pub(crate) mod lone_chain;
 mod resistance;
+mod square_bundle;
 mod strip_widths;
 pub(crate) mod taut_chain;
 #[cfg(test)]

@@ -160,11 +160,8 @@ impl TornDirection {
         lines: Lines,
         widths: Option<&StripWidths>,
     ) {
-        let (number, count) = lines.size(grid);
-        let bundles = match lines.storage(grid) {
-            LineStorage::InPlace => grid.patches.map_or(0, |patches| patches.width),
-            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => number.div_ceil(LANES),
-        };
+        let (_, count) = lines.size(grid);
+        let bundles = lines.bundles(grid);
         let cell_and_lane = |start: [usize; 2]| {
             let [line, place] = lines.line_and_place(grid, start);
             let (bundle, lane) = lines.bundle_of(grid, line);
