@@ -14,8 +14,9 @@ use fearless_simd::{Simd, prelude::*};
 use crate::constants::LEAST_SHARED_CELLS;
 use crate::constraint::direct::bent_chain::ChainBend;
 use crate::constraint::direct::chain::{ChainScratch, Chains};
-use crate::constraint::direct::grid_lines::{RuledGrid, Solved};
-use crate::constraint::direct::square_bundle::{self, SquareLines};
+use crate::constraint::direct::grid_lines::{Lines, RuledGrid, Solved};
+use crate::constraint::direct::line_storage::Bundling;
+use crate::constraint::direct::{rotated_bundle, square_bundle};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::{CellColumn, CellColumns};
@@ -64,19 +65,10 @@ pub(super) fn threads(most: usize, cells: usize) -> usize {
     most.min(cells / LEAST_SHARED_CELLS).max(1)
 }
 
-/// The direction of the lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Direction {
-    /// In patches side by side, bundle `k` is column `k` of all patches, which is in the lanes already.
-    Columns,
-    /// In patches side by side, bundle `k` is the rows from `16 k` on, which must be transposed into the lanes.
-    Rows,
-}
-
-/// Gaps and softness of torn lines, by bundle and place.
+/// Gaps and softness of lines, by bundle and place.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TornBundles<'a> {
-    /// The lanes without a stick to the next place, lane 0 in the lowest bit; none in a whole grid.
+    /// The lanes without a stick to the next place, lane 0 in the lowest bit; none if all have theirs.
     pub gaps: Option<&'a [u16]>,
     /// The compliance of these sticks, in parts of that inside the cloth; none if they are not springs.
     pub softness: Option<&'a [[f32; LANES]]>,
@@ -100,7 +92,8 @@ pub(super) struct BundleSolve<'a> {
     /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
     pub rest: Option<&'a [Cell]>,
     pub torn: TornBundles<'a>,
-    pub direction: Direction,
+    pub lines: Lines,
+    pub bundling: Bundling,
     pub solved: Solved,
     pub projection: StickProjection,
     pub isa: Isa,
@@ -122,16 +115,18 @@ impl BundleSolve<'_> {
         workers: &Workers,
         threads: usize,
     ) {
+        let (number, _) = self.lines.size(self.grid);
+        let bundles = self.bundling.bundles(number);
         // All cells side by side: rows are cut between two cells.
         let all = position.len();
-        let (number, width, threads) = match (self.patches, self.direction) {
-            (Grid { down: 1, width, .. }, Direction::Columns) => (width, width, threads),
-            (Grid { down: 1, .. }, Direction::Rows) => (self.grid.rows.div_ceil(LANES), all, threads),
-            // A small grid: its bundles lie all over the cells.
-            (patches, direction) => (SquareLines::new(direction, patches).bundles(), all, 1),
+        let (width, threads) = match self.bundling {
+            Bundling::InPlace { width } => (width, threads),
+            Bundling::Transposed { .. } => (all, threads),
+            // Bundles lie all over the cells.
+            Bundling::Rotated { .. } | Bundling::Shuffled(_) => (all, 1),
         };
-        let threads = threads.min(number).min(scratch.len());
-        self.share(CellColumns::new(position, width), 0..number, scratch, workers, threads);
+        let threads = threads.min(bundles).min(scratch.len());
+        self.share(CellColumns::new(position, width), 0..bundles, scratch, workers, threads);
     }
 
     /// Solves `bundles`, which are in these cells, on up to `threads` threads.
@@ -153,9 +148,9 @@ impl BundleSolve<'_> {
         }
         let before = threads / 2;
         let middle = start + (end - start) * before / threads;
-        let [mut first, mut second] = position.split_at(match self.direction {
-            Direction::Columns => middle,
-            Direction::Rows => middle * LANES * self.patches.width,
+        let [mut first, mut second] = position.split_at(match self.bundling {
+            Bundling::Transposed { width } => middle * LANES * width,
+            _ => middle,
         });
         let (scratch, other) = scratch.split_at_mut(before);
         let after = threads - before;
@@ -189,12 +184,15 @@ impl SomeBundles<'_> {
     #[inline(always)]
     fn run_with<S: Simd>(mut self, simd: S, projection: impl Projection) {
         for bundle in self.bundles.clone() {
-            match (self.solve.patches.down, self.solve.direction) {
-                (1, Direction::Columns) => self.columns(simd, bundle, projection),
-                (1, Direction::Rows) => self.rows(simd, bundle * LANES, projection),
-                _ => {
-                    let Self { solve, position, scratch, .. } = &mut self;
-                    square_bundle::solve(simd, solve, bundle, position.row(0), scratch, projection);
+            let Self { solve, position, scratch, .. } = &mut self;
+            match solve.bundling {
+                Bundling::InPlace { .. } => self.columns(simd, bundle, projection),
+                Bundling::Transposed { .. } => self.rows(simd, bundle * LANES, projection),
+                Bundling::Rotated { .. } => {
+                    rotated_bundle::solve(simd, solve, bundle, position.row(0), scratch, projection);
+                }
+                Bundling::Shuffled(lines) => {
+                    square_bundle::solve(simd, solve, lines, bundle, position.row(0), scratch, projection);
                 }
             }
         }
@@ -351,6 +349,7 @@ mod tests {
 
     use super::*;
     use crate::build::cloth::ClothBuilder;
+    use crate::constraint::direct::line_storage::LineStorage;
     use crate::constraint::testing::dice;
     use crate::state::membrane::ElasticStick;
     use crate::state::settings::BodySettings;
@@ -378,17 +377,20 @@ mod tests {
             let sticks = Solved::Sticks(ElasticStick { rest: 0.1, compliance: 0.0 });
             let bends = Solved::Bends(1.0);
             let cases = [(sticks, false), (sticks, true), (bends, false)];
-            for (direction, (solved, has_gaps)) in [Direction::Columns, Direction::Rows]
-                .into_iter()
-                .flat_map(|direction| cases.map(|case| (direction, case)))
+            for (lines, (solved, has_gaps)) in
+                [Lines::Columns, Lines::Rows].into_iter().flat_map(|lines| cases.map(|case| (lines, case)))
             {
+                let LineStorage::Bundled(bundling) = LineStorage::of(lines, grid) else {
+                    panic!("in bundles");
+                };
                 let solve = BundleSolve {
                     grid,
                     patches,
                     inverse_mass,
                     rest: None,
                     torn: TornBundles { gaps: has_gaps.then_some(&*gaps), softness: None },
-                    direction,
+                    lines,
+                    bundling,
                     solved,
                     projection: StickProjection::Exact,
                     isa: Isa::detected(),

@@ -1,17 +1,15 @@
-//! The lines of a grid, their particles, and the way that they come into the lanes of a [line solve](crate::constraint::direct::line).
+//! The lines of a grid, and their particles.
 //!
 //! ```text
 //!   rows      columns    diagonals: each goes on at the other side,     antidiagonals
-//!   o--o--o   o  o  o    and two ghosts cut it there                    lean to the left
+//!   o--o--o   o  o  o    with a gap there                               lean to the left
 //!   o--o--o   |  |  |      o.  o.  o.
 //!   o--o--o   o  o  o        `o  `o  `->
 //! ```
 //!
 //! Design: `docs/design/line_solves.md`.
 
-use crate::constraint::direct::bundle::Direction;
-use crate::constraint::direct::square_bundle::{SIDE, SquareLines};
-use crate::simd::columns::{Cell, LANES};
+use crate::simd::columns::Cell;
 use crate::state::bends::{BendScratch, BentGrid, BentThreads};
 use crate::state::layout::{Grid, Layout};
 use crate::state::membrane::{ElasticStick, Membrane};
@@ -137,134 +135,48 @@ impl Lines {
         Some((topology.bends.lines?.threads[direction]?, direction))
     }
 
-    /// The direction of lines that bundles take where they lie; none for diagonals, which are gathered.
-    pub(super) fn direction(self) -> Option<Direction> {
-        match self {
-            Self::Rows => Some(Direction::Rows),
-            Self::Columns => Some(Direction::Columns),
-            Self::Diagonals | Self::Antidiagonals => None,
-        }
-    }
-
     /// The number of lines, and of places in a line.
-    pub(super) fn size(self, RuledGrid { columns, rows, .. }: RuledGrid) -> (usize, usize) {
+    ///
+    /// Diagonals go on at the other side of the grid, so that all have a particle in each row.
+    pub(super) fn size(self, grid: RuledGrid) -> (usize, usize) {
+        let RuledGrid { columns, rows, .. } = grid;
         match self {
             Self::Rows => (rows, columns),
             Self::Columns => (columns, rows),
-            Self::Diagonals | Self::Antidiagonals => (columns, rows + 2 * (rows - 1).div_ceil(columns)),
+            Self::Diagonals | Self::Antidiagonals => (grid.around(), rows),
         }
     }
 
-    /// The number of places in a line with the ghosts behind it.
-    pub(super) fn places_with_ghosts(self, grid: RuledGrid) -> usize {
-        match (self, grid.patches) {
-            (Self::Rows, Some(patches)) => patches.across * patches.width,
-            (Self::Columns, Some(patches)) => patches.down * patches.height,
-            _ => self.size(grid).1,
-        }
-    }
-
-    pub(super) fn storage(self, grid: RuledGrid) -> LineStorage {
-        let Some(direction) = self.direction() else {
-            return LineStorage::Gathered;
-        };
-        match (grid.patches, direction) {
-            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
-            (Some(Grid { down: 1, .. }), Direction::Rows) => LineStorage::Transposed,
-            (Some(patches @ Grid { down: 1, .. }), Direction::Columns) => LineStorage::InPlace(patches),
-            (Some(patches @ Grid { across: SIDE, down: SIDE, .. }), direction) => {
-                LineStorage::Shuffled(SquareLines::new(direction, patches))
-            }
-            _ => LineStorage::Gathered,
-        }
-    }
-
-    /// The number of bundles in which the lines are solved.
-    pub(super) fn bundles(self, grid: RuledGrid) -> usize {
-        match self.storage(grid) {
-            LineStorage::InPlace(patches) => patches.width,
-            LineStorage::Shuffled(lines) => lines.bundles(),
-            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => {
-                self.size(grid).0.div_ceil(LANES)
-            }
-        }
-    }
-
-    /// The bundle in which a line is solved, and its lane.
-    pub(super) fn bundle_of(self, grid: RuledGrid, line: usize) -> (usize, usize) {
-        match self.storage(grid) {
-            LineStorage::InPlace(patches) => (line % patches.width, line / patches.width),
-            LineStorage::Shuffled(lines) => lines.bundle_of(line),
-            LineStorage::Transposed | LineStorage::Gathered | LineStorage::Lone => {
-                (line / LANES, line % LANES)
-            }
-        }
-    }
-
-    /// The line through the particle in this column and row, and the place of the particle in it: the inverse of
-    /// [`places`](Self::places).
+    /// The line through the particle in this column and row, and the place of the particle in it.
     pub(super) fn line_and_place(self, grid: RuledGrid, [column, row]: [usize; 2]) -> [usize; 2] {
-        let RuledGrid { columns, .. } = grid;
-        let from_the_left = match self {
-            Self::Rows => return [row, column],
-            Self::Columns => return [column, row],
-            Self::Diagonals => column,
-            Self::Antidiagonals => columns - 1 - column,
-        };
-        let line = (from_the_left + columns - row % columns) % columns;
-        // Two ghosts each time that the line has gone on at the other side.
-        [line, row + 2 * ((line + row) / columns)]
-    }
-
-    /// The places of line `line`.
-    ///
-    /// Diagonals go on at the other side of the grid, so that all have a particle in each row. Two ghosts cut the line there, at the
-    /// places of the particles on both sides: sticks without length do not pull.
-    fn places(self, grid: RuledGrid, line: usize) -> Vec<LinePlace> {
-        let RuledGrid { columns, rows, .. } = grid;
-        let particle =
-            |column: usize, row: usize| LinePlace { index: row * columns + column, is_ghost: false };
-        let column_of = |row: usize| match self {
-            Self::Diagonals => (line + row) % columns,
-            _ => columns - 1 - (line + row) % columns,
-        };
-        let mut places = Vec::with_capacity(self.size(grid).1);
+        let around = grid.around();
         match self {
-            Self::Rows => places.extend((0..columns).map(|column| particle(column, line))),
-            Self::Columns => places.extend((0..rows).map(|row| particle(line, row))),
-            Self::Diagonals | Self::Antidiagonals => {
-                for row in 0..rows {
-                    let place = particle(column_of(row), row);
-                    if let Some(&before) = places.last()
-                        && (line + row).is_multiple_of(columns)
-                    {
-                        places.extend([before, place].map(LinePlace::ghost));
-                    }
-                    places.push(place);
-                }
-                let last = particle(column_of(rows - 1), rows - 1).ghost();
-                places.resize(self.size(grid).1, last);
-            }
+            Self::Rows => [row, column],
+            Self::Columns => [column, row],
+            Self::Diagonals => [(column + around - row % around) % around, row],
+            Self::Antidiagonals => [(column + row) % around, row],
         }
-        places
+    }
+
+    /// The column and row of a place in a line: the inverse of [`line_and_place`](Self::line_and_place). Diagonals have places
+    /// beside the grid where its patches have.
+    pub(super) fn column_and_row(self, grid: RuledGrid, [line, place]: [usize; 2]) -> [usize; 2] {
+        match self {
+            Self::Rows => [place, line],
+            Self::Columns => [line, place],
+            Self::Diagonals => Self::Antidiagonals.line_and_place(grid, [line, place]),
+            Self::Antidiagonals => Self::Diagonals.line_and_place(grid, [line, place]),
+        }
+    }
+
+    /// True if a line leads from this place to the next one within the grid: diagonals have a gap where they go on at the other side.
+    pub(super) fn has_stick(self, grid: RuledGrid, [line, place]: [usize; 2]) -> bool {
+        let (_, count) = self.size(grid);
+        let [column, _] = self.column_and_row(grid, [line, place]);
+        let next = column.checked_add_signed(self.offset()[0]);
+        place + 1 < count && column < grid.columns && next.is_some_and(|next| next < grid.columns)
     }
 }
-
-/// A particle of a line, or a ghost of it, which is pinned there and stays behind.
-#[derive(Clone, Copy, Debug)]
-struct LinePlace {
-    index: usize,
-    is_ghost: bool,
-}
-
-impl LinePlace {
-    fn ghost(self) -> Self {
-        Self { is_ghost: true, ..self }
-    }
-}
-
-/// Marks the slot of a ghost.
-pub(super) const GHOST: u32 = 1 << 31;
 
 /// The resistance of lines that are solved directly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -296,6 +208,14 @@ pub(super) struct RuledGrid {
 }
 
 impl RuledGrid {
+    /// The number of columns after which a diagonal goes on at the other side: all places of patches that lie side by side.
+    fn around(self) -> usize {
+        match self.patches {
+            Some(Grid { across, width, down: 1, .. }) => across * width,
+            _ => self.columns,
+        }
+    }
+
     fn in_patches(patches: Grid) -> Self {
         Self { columns: patches.columns, rows: patches.rows, patches: Some(patches) }
     }
@@ -316,68 +236,39 @@ impl RuledGrid {
     }
 }
 
-/// The way that lines come into the lanes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum LineStorage {
-    /// Columns of patches side by side: each is in a lane already.
-    InPlace(Grid),
-    /// Rows of patches side by side: they run through all lanes.
-    Transposed,
-    /// Rows or columns of patches four by four.
-    Shuffled(SquareLines),
-    /// Lines that run through some of the lanes.
-    Gathered,
-    /// Solved one by one, because there are too few of them.
-    Lone,
-}
-
-/// Least number of lines that are solved side by side.
-const LEAST_BUNDLED_LINES: usize = 4;
-
-/// The slots of the particles of all lines that must be gathered.
-pub(super) fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> {
-    let lanes = match lines.storage(grid) {
-        LineStorage::Gathered => LANES,
-        LineStorage::Lone => 1,
-        LineStorage::InPlace(_) | LineStorage::Transposed | LineStorage::Shuffled(_) => return Vec::new(),
-    };
-    let (number, count) = lines.size(grid);
-    let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
-    let of_place = |index: usize| match grid.patches {
-        Some(patches) => patches.slot(index % patches.columns, index / patches.columns),
-        None => layout.slot(index),
-    };
-    let slot = |place: LinePlace| of_place(place.index) as u32 | if place.is_ghost { GHOST } else { 0 };
-    let mut slots = Vec::with_capacity(number * count);
-    for bundle in bundles {
-        let all: Vec<_> = bundle.map(|line| lines.places(grid, line)).collect();
-        slots.extend((0..count).flat_map(|i| all.iter().map(move |places| slot(places[i]))));
-    }
-    slots
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn each_particle_is_found_in_its_lines() {
-        for (columns, rows) in [(5, 9), (9, 5), (2, 7), (4, 4), (3, 2)] {
-            let grid = RuledGrid { columns, rows, patches: None };
+        for (columns, rows) in [(5, 9), (9, 5), (2, 7), (4, 4), (3, 2), (40, 3)] {
+            let grid =
+                RuledGrid { columns, rows, patches: Grid::new(columns, rows).filter(|grid| grid.down == 1) };
             for lines in ALL_LINES {
                 let (number, count) = lines.size(grid);
-                let mut found = 0;
-                for line in 0..number {
-                    let places = lines.places(grid, line);
-                    assert_eq!(places.len(), count);
-                    for (place, _) in places.iter().enumerate().filter(|(_, place)| !place.is_ghost) {
-                        let index = places[place].index;
-                        let at = lines.line_and_place(grid, [index % columns, index / columns]);
-                        assert_eq!(at, [line, place], "{lines:?} of {columns} x {rows}");
-                        found += 1;
+                let [right, down] = lines.offset();
+                let (mut found, mut sticks) = (0, 0);
+                for (line, place) in
+                    (0..number).flat_map(|line| (0..count).map(move |place| [line, place])).map(Into::into)
+                {
+                    let at = lines.column_and_row(grid, [line, place]);
+                    assert_eq!(
+                        lines.line_and_place(grid, at),
+                        [line, place],
+                        "{lines:?} of {columns} x {rows}"
+                    );
+                    found += usize::from(at[0] < columns);
+                    if lines.has_stick(grid, [line, place]) {
+                        let next = [at[0].checked_add_signed(right), at[1].checked_add_signed(down)]
+                            .map(Option::unwrap);
+                        assert_eq!(lines.column_and_row(grid, [line, place + 1]), next);
+                        sticks += 1;
                     }
                 }
                 assert_eq!(found, columns * rows, "{lines:?}");
+                let [across, below] = [columns - right.unsigned_abs(), rows - down.unsigned_abs()];
+                assert_eq!(sticks, across * below, "{lines:?} of {columns} x {rows}");
             }
         }
     }

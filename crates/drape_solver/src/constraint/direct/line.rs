@@ -7,7 +7,8 @@
 //!                                         lane = row; solved; transposed back        shuffled, solved, shuffled back
 //! ```
 //!
-//! Diagonals, and columns of patches one below the other, are gathered sixteen at a time, solved and scattered.
+//! Diagonals of patches side by side change their lanes. Those of other grids, and lines of patches one below the other, are gathered
+//! sixteen at a time, solved and scattered.
 //! Ropes, other grids of very few lines, and loose lines of torn grids are solved one [line](crate::constraint::direct::lone_chain) at a time.
 //!
 //! Design: `docs/design/line_solves.md`.
@@ -18,7 +19,8 @@ use fearless_simd::Simd;
 
 use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, grow, solve_chains};
 use crate::constraint::direct::chain::Chains;
-use crate::constraint::direct::grid_lines::{ALL_LINES, GHOST, LineStorage, Lines, RuledGrid, Solved, slots};
+use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, RuledGrid, Solved};
+use crate::constraint::direct::line_storage::{Bundling, LineStorage, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::direct::thread_friction;
 use crate::constraint::direct::torn_lines::{LoneLine, TornLines};
@@ -41,7 +43,7 @@ pub(crate) struct LineScratch {
     bundles: Vec<BundleScratch>,
     lone: Vec<LoneStick>,
     /// Slots of gathered and lone lines: those of their first particles, then of their second, and so on, for up to
-    /// sixteen lines at a time. Ghosts are [marked](GHOST).
+    /// sixteen lines at a time.
     slots: [Vec<u32>; 4],
     /// The grid for which it has room, and true if that has diagonals.
     made_for: Option<(RuledGrid, bool)>,
@@ -68,9 +70,11 @@ impl LineScratch {
                 grow(&mut bundle.bends, count);
                 bundle.reserve_particles(count);
                 if topology.bends.has_friction() {
-                    let [rows, columns] =
-                        [Lines::Rows, Lines::Columns].map(|lines| lines.places_with_ghosts(grid));
-                    grow(&mut bundle.rest, rows.max(columns));
+                    let places = [Lines::Rows, Lines::Columns].map(|lines| {
+                        let (_, count) = lines.size(grid);
+                        LineStorage::of(lines, grid).places(count)
+                    });
+                    grow(&mut bundle.rest, places[0].max(places[1]));
                 }
             }
         }
@@ -80,15 +84,14 @@ impl LineScratch {
         }
         for lines in ALL_LINES.into_iter().filter(|lines| lines.can_be_solved(topology)) {
             let (_, count) = lines.size(grid);
-            let storage = lines.storage(grid);
+            let storage = LineStorage::of(lines, grid);
             for bundle in &mut self.bundles {
                 match storage {
                     LineStorage::Lone => {}
-                    LineStorage::InPlace(_) => bundle.chain.reserve(count),
-                    LineStorage::Transposed | LineStorage::Shuffled(_) | LineStorage::Gathered => {
+                    LineStorage::Bundled(Bundling::InPlace { .. }) => bundle.chain.reserve(count),
+                    LineStorage::Bundled(_) | LineStorage::Gathered => {
                         bundle.chain.reserve(count);
-                        // Lines are brought into the lanes with the ghosts behind them.
-                        bundle.reserve_particles(lines.places_with_ghosts(grid));
+                        bundle.reserve_particles(storage.places(count));
                     }
                 }
             }
@@ -153,16 +156,16 @@ pub(crate) fn solve(
             isa.run(LoneLines { lines, stick, projection, position: all, inverse_mass, scratch });
         }
         let Some(grid) = grid else { continue };
-        let direction = match lines.storage(grid) {
-            LineStorage::InPlace(_) | LineStorage::Transposed | LineStorage::Shuffled(_) => lines.direction(),
+        let bundling = match LineStorage::of(lines, grid) {
+            LineStorage::Bundled(bundling) => Some(bundling),
             // Solved one by one above.
             LineStorage::Lone if topology.is_torn_grid() => continue,
             LineStorage::Gathered | LineStorage::Lone => None,
         };
         let position = &mut all[..cells];
-        if let (Some(direction), Some(patches)) = (direction, grid.patches) {
+        if let (Some(bundling), Some(patches)) = (bundling, grid.patches) {
             let torn = scratch.torn.bundles(lines);
-            BundleSolve { grid, patches, inverse_mass, rest, torn, direction, solved, projection, isa }
+            BundleSolve { grid, patches, lines, bundling, inverse_mass, rest, torn, solved, projection, isa }
                 .solve(position, &mut scratch.bundles, workers);
         } else {
             isa.run(ScatteredLines {
@@ -234,7 +237,7 @@ impl Kernel for ScatteredLines<'_> {
 impl ScatteredLines<'_> {
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, projection: impl Projection) {
-        match (self.lines.storage(self.grid), self.solved) {
+        match (LineStorage::of(self.lines, self.grid), self.solved) {
             (LineStorage::Lone, Solved::Sticks(stick)) => self.lone(stick, projection),
             // Lone lines that bend are gathered one by one.
             (LineStorage::Lone, _) => self.gathered(simd, 1, projection),
@@ -275,11 +278,9 @@ impl ScatteredLines<'_> {
             // Spare lanes keep their old values, which nothing reads.
             for (i, slots) in own.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
-                    let place = (slot & !GHOST) as usize;
-                    let (from, in_lane) = (place / LANES, place % LANES);
+                    let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);
                     gathered[i].set(lane, position[from].get(in_lane));
-                    gathered_mass[i][lane] =
-                        if slot & GHOST == 0 { inverse_mass[from][in_lane] } else { 0.0 };
+                    gathered_mass[i][lane] = inverse_mass[from][in_lane];
                     if let Some(rest) = rest {
                         gathered_rest[i].set(lane, rest[from].get(in_lane));
                     }
@@ -294,7 +295,7 @@ impl ScatteredLines<'_> {
             let rest = rest.map(|_| &**gathered_rest);
             solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
             for (i, slots) in own.chunks_exact(lanes).enumerate() {
-                for (lane, &slot) in slots.iter().enumerate().filter(|(_, slot)| **slot & GHOST == 0) {
+                for (lane, &slot) in slots.iter().enumerate() {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
                 }
             }

@@ -1,4 +1,5 @@
-//! The lines of a torn grid: those of the grid have gaps, and copies of particles are in lines of their own.
+//! Gaps in lines: those of a torn grid have some, and copies of its particles are in lines of their own. Diagonals always have gaps, at the
+//! sides of the grid.
 //!
 //! ```text
 //!   o--o--o--o--o--o     A stick that is not there pulls at nothing, so one solve takes the parts on both sides of a gap:
@@ -11,7 +12,8 @@
 use std::sync::{Arc, Weak};
 
 use crate::constraint::direct::bundle::TornBundles;
-use crate::constraint::direct::grid_lines::{ALL_LINES, LineStorage, Lines, RuledGrid};
+use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, RuledGrid};
+use crate::constraint::direct::line_storage::LineStorage;
 use crate::constraint::direct::strip_widths::StripWidths;
 use crate::simd::columns::LANES;
 use crate::state::grid::GridBatch;
@@ -22,7 +24,7 @@ use crate::state::topology::{BatchSticks, StickBatch, Topology};
 /// together. One alone would give way.
 const REACH: usize = 4;
 
-/// The differences of the lines of a torn grid from those of a whole one.
+/// The gaps in the lines of a grid, and what else a torn grid has in place of its lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TornLines {
     along: [TornDirection; 4],
@@ -83,7 +85,8 @@ impl TornLines {
         for lines in ALL_LINES {
             let own = &mut self.along[lines as usize];
             *own = TornDirection::default();
-            if is_torn && lines.can_be_solved(topology) {
+            let has_gaps = is_torn || matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
+            if has_gaps && lines.can_be_solved(topology) {
                 let widths = widths.as_ref().filter(|_| lines.springs(topology).is_some());
                 own.note(topology, grid, lines, widths);
             }
@@ -133,7 +136,13 @@ impl TornDirection {
         lines: Lines,
         widths: Option<&StripWidths>,
     ) {
-        let bundled = grid.filter(|&grid| lines.storage(grid) != LineStorage::Lone);
+        let bundled = grid.filter(|&grid| LineStorage::of(lines, grid) != LineStorage::Lone);
+        if let Some(grid) = bundled {
+            self.note_ends(grid, lines);
+        }
+        if !topology.is_torn_grid() {
+            return;
+        }
         if let Some(grid) = bundled {
             self.note_sticks(topology, grid, lines, widths);
         }
@@ -152,7 +161,20 @@ impl TornDirection {
         }
     }
 
-    /// Notes the gaps of lines of the grid, and what has become softer.
+    /// Notes the ends of diagonals at the sides of the grid, where they go on at the other side.
+    fn note_ends(&mut self, grid: RuledGrid, lines: Lines) {
+        let (number, count) = lines.size(grid);
+        let storage = LineStorage::of(lines, grid);
+        self.gaps.resize(storage.bundles(number) * count, 0);
+        for [line, place] in (0..number).flat_map(|line| (0..count).map(move |place| [line, place])) {
+            if !lines.has_stick(grid, [line, place]) {
+                let (bundle, lane) = storage.bundle_of(line);
+                self.gaps[bundle * count + place] |= 1 << lane;
+            }
+        }
+    }
+
+    /// Notes the gaps of lines of a torn grid, and what has become softer.
     fn note_sticks(
         &mut self,
         topology: &Topology,
@@ -161,13 +183,12 @@ impl TornDirection {
         widths: Option<&StripWidths>,
     ) {
         let (_, count) = lines.size(grid);
-        let bundles = lines.bundles(grid);
+        let storage = LineStorage::of(lines, grid);
         let cell_and_lane = |start: [usize; 2]| {
             let [line, place] = lines.line_and_place(grid, start);
-            let (bundle, lane) = lines.bundle_of(grid, line);
+            let (bundle, lane) = storage.bundle_of(line);
             (bundle * count + place, lane)
         };
-        self.gaps.resize(bundles * count, 0);
         for half in halves(topology, lines) {
             let own = topology.batches.iter().find_map(|batch| match &batch.sticks {
                 BatchSticks::Grid { batch, severed, .. } if *batch == half => Some(severed),
@@ -182,7 +203,7 @@ impl TornDirection {
             }
         }
         if let (Some(widths), Layout::Torn(torn)) = (widths, &topology.layout) {
-            self.softness.resize(bundles * count, [1.0; LANES]);
+            self.softness.resize(self.gaps.len(), [1.0; LANES]);
             for [from, to] in widths.other_than_inside(lines, torn.grid) {
                 let (cell, lane) = cell_and_lane(torn.grid.place(from as usize));
                 self.softness[cell][lane] = widths.softness(lines, [from, to]);
@@ -201,15 +222,14 @@ impl TornDirection {
                 return slots;
             }
             let [line, mut place] = lines.line_and_place(grid, torn.grid.place(slot as usize));
-            let (bundle, lane) = lines.bundle_of(grid, line);
+            let (bundle, lane) = LineStorage::of(lines, grid).bundle_of(line);
             while slots.len() < REACH {
                 let Some(next) = place.checked_add_signed(step).filter(|&next| next < count) else { break };
                 if self.gaps[bundle * count + place.min(next)] & (1 << lane) != 0 {
                     break;
                 }
                 place = next;
-                // In rows and columns `line_and_place` is its own inverse.
-                let [column, row] = lines.line_and_place(grid, [line, place]);
+                let [column, row] = lines.column_and_row(grid, [line, place]);
                 slots.push(torn.grid.slot(column, row) as u32);
             }
             slots
