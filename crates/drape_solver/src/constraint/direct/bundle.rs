@@ -227,36 +227,25 @@ impl SomeBundles<'_> {
         // The cells of this thread begin with its first bundle.
         let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
         let BundleScratch { chain, bends, position, inverse_mass: masses, rest: rests } = &mut **scratch;
-        transpose_rows(
-            simd,
-            width,
-            count,
+        simd.vectorize(
             #[inline(always)]
-            |cell| cells[cell].axes(),
-            #[inline(always)]
-            |cell, axis, numbers| *position[cell].axes_mut()[axis] = numbers,
+            || {
+                for column in 0..width {
+                    let size = [width, count];
+                    transpose_vectors(simd, column, size, cells, position);
+                    transpose(
+                        #[inline(always)]
+                        |row| load(simd, &inverse_mass[first * width + cell_of_row(row, column, size)]),
+                        #[inline(always)]
+                        |patch, of_rows| masses[patch * width + column] = of_rows.to_array(),
+                    );
+                    if let Some(rest) = rest {
+                        transpose_vectors(simd, column, size, &rest[first * width..], rests);
+                    }
+                }
+            },
         );
-        transpose_rows(
-            simd,
-            width,
-            count,
-            #[inline(always)]
-            |cell| [&inverse_mass[first * width + cell]],
-            #[inline(always)]
-            |cell, _, numbers| masses[cell] = numbers,
-        );
-        let rest = rest.map(|rest| {
-            transpose_rows(
-                simd,
-                width,
-                count,
-                #[inline(always)]
-                |cell| rest[first * width + cell].axes(),
-                #[inline(always)]
-                |cell, axis, numbers| *rests[cell].axes_mut()[axis] = numbers,
-            );
-            &**rests
-        });
+        let rest = rest.map(|_| &**rests);
         let (gaps, softness) = torn.of_bundle(first / LANES, grid.columns);
         let chains = Chains {
             position: CellColumn::new(position),
@@ -271,54 +260,67 @@ impl SomeBundles<'_> {
     }
 }
 
-/// Transposes up to sixteen rows, of `width` cells each, into chains side by side. Spare lanes repeat the last row.
-///
-/// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains. `from` has the columns
-/// of numbers of a cell, `to` takes a cell of the chains, the index of a column and its numbers.
+/// The cell in `column` of the cells of a row, of `count` rows of `width` cells each. Rows that are missing repeat the last one.
 #[inline(always)]
-fn transpose_rows<'a, S: Simd, const N: usize>(
+fn cell_of_row(row: usize, column: usize, [width, count]: [usize; 2]) -> usize {
+    row.min(count - 1) * width + column
+}
+
+/// Transposes the vectors of a column of up to sixteen rows of cells into chains side by side.
+///
+/// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
+#[inline(always)]
+fn transpose_vectors<S: Simd>(simd: S, column: usize, size: [usize; 2], rows: &[Cell], chains: &mut [Cell]) {
+    transpose_axis::<S, 0>(simd, column, size, rows, chains);
+    transpose_axis::<S, 1>(simd, column, size, rows, chains);
+    transpose_axis::<S, 2>(simd, column, size, rows, chains);
+}
+
+#[inline(always)]
+fn transpose_axis<S: Simd, const AXIS: usize>(
     simd: S,
-    width: usize,
-    rows: usize,
-    from: impl Fn(usize) -> [&'a [f32; LANES]; N],
-    mut to: impl FnMut(usize, usize, [f32; LANES]),
+    column: usize,
+    size: [usize; 2],
+    rows: &[Cell],
+    chains: &mut [Cell],
 ) {
+    transpose(
+        #[inline(always)]
+        |row| load(simd, rows[cell_of_row(row, column, size)].axes()[AXIS]),
+        #[inline(always)]
+        |patch, of_rows| *chains[patch * size[0] + column].axes_mut()[AXIS] = of_rows.to_array(),
+    );
+}
+
+/// Transposes the chains back into rows of `width` cells each: the inverse of [`transpose_vectors`] for all columns.
+fn transpose_back<S: Simd>(simd: S, width: usize, rows: &mut [Cell], chains: &[Cell]) {
     simd.vectorize(
         #[inline(always)]
         || {
             for column in 0..width {
-                let cell = |row: usize| row.min(rows - 1) * width + column;
-                for axis in 0..N {
-                    transpose(
-                        #[inline(always)]
-                        |row| load(simd, from(cell(row))[axis]),
-                        #[inline(always)]
-                        |patch, of_rows| to(patch * width + column, axis, of_rows.to_array()),
-                    );
-                }
+                axis_back::<S, 0>(simd, column, width, rows, chains);
+                axis_back::<S, 1>(simd, column, width, rows, chains);
+                axis_back::<S, 2>(simd, column, width, rows, chains);
             }
         },
     );
 }
 
-/// Transposes the chains in `position` back into `cells`: the inverse of [`transpose_rows`].
-fn transpose_back<S: Simd>(simd: S, width: usize, cells: &mut [Cell], position: &[Cell]) {
-    simd.vectorize(
+#[inline(always)]
+fn axis_back<S: Simd, const AXIS: usize>(
+    simd: S,
+    column: usize,
+    width: usize,
+    rows: &mut [Cell],
+    chains: &[Cell],
+) {
+    transpose(
         #[inline(always)]
-        || {
-            for column in 0..width {
-                for axis in 0..3 {
-                    transpose(
-                        #[inline(always)]
-                        |patch| load(simd, position[patch * width + column].axes()[axis]),
-                        #[inline(always)]
-                        |row, of_patches| {
-                            if let Some(cell) = cells.get_mut(row * width + column) {
-                                *cell.axes_mut()[axis] = of_patches.to_array();
-                            }
-                        },
-                    );
-                }
+        |patch| load(simd, chains[patch * width + column].axes()[AXIS]),
+        #[inline(always)]
+        |row, of_patches| {
+            if let Some(cell) = rows.get_mut(row * width + column) {
+                *cell.axes_mut()[AXIS] = of_patches.to_array();
             }
         },
     );

@@ -7,71 +7,89 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, solve_chains};
 use crate::constraint::direct::chain::Chains;
-use crate::constraint::direct::line_storage::SquareLines;
+use crate::constraint::direct::line_storage::{SIDE, SquareLines};
 use crate::constraint::projection::Projection;
 use crate::simd::cell_columns::CellColumn;
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::lanes::load;
+use crate::simd::lanes::{Lanes3, load};
 use crate::simd::transpose::{shuffle_four, unshuffle_four};
 use crate::state::bends::is_at_edge;
 
 impl SquareLines {
-    /// Brings numbers of a bundle into the lanes. Spare lanes repeat the last line. `from` has the columns of numbers of a cell, `to`
-    /// takes a cell of the chains, the index of a column and its numbers.
+    /// The cells of the four lines of a bundle at one place. Lines that are missing repeat the last one.
     #[inline(always)]
-    fn shuffle<'a, S: Simd, const N: usize>(
-        self,
-        simd: S,
-        bundle: usize,
-        from: impl Fn(usize) -> [&'a [f32; LANES]; N],
-        mut to: impl FnMut(usize, usize, [f32; LANES]),
-    ) {
+    fn cells(self, bundle: usize, place: usize) -> [usize; SIDE] {
         let last = self.lines_of(bundle) - 1;
-        for place in 0..self.places {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|line| self.cell(bundle, last.min(line), place));
-            for axis in 0..N {
-                let lines = [
-                    load(simd, from(a)[axis]),
-                    load(simd, from(b)[axis]),
-                    load(simd, from(c)[axis]),
-                    load(simd, from(d)[axis]),
-                ];
-                let [a, b, c, d] = if self.are_columns {
-                    shuffle_four(shuffle_four(lines))
-                } else {
-                    unshuffle_four(unshuffle_four(lines))
-                };
-                to(place, axis, a.to_array());
-                to(self.places + place, axis, b.to_array());
-                to(2 * self.places + place, axis, c.to_array());
-                to(3 * self.places + place, axis, d.to_array());
-            }
+        [0, 1, 2, 3].map(|line| self.cell(bundle, last.min(line), place))
+    }
+
+    /// Numbers of four lines at one place of all patches, as those of the chains: one vector for each patch along the lines.
+    #[inline(always)]
+    fn to_chains<S: Simd>(self, lines: [f32x16<S>; SIDE]) -> [f32x16<S>; SIDE] {
+        if self.are_columns {
+            shuffle_four(shuffle_four(lines))
+        } else {
+            unshuffle_four(unshuffle_four(lines))
         }
     }
 
-    /// Brings the positions of a bundle's chains back into `cells`: the inverse of [`shuffle`](Self::shuffle).
+    /// The inverse of [`to_chains`](Self::to_chains).
     #[inline(always)]
-    fn shuffle_back<S: Simd>(self, simd: S, bundle: usize, cells: &mut [Cell], position: &[Cell]) {
-        let count = self.lines_of(bundle);
+    fn to_lines<S: Simd>(self, chains: [f32x16<S>; SIDE]) -> [f32x16<S>; SIDE] {
+        if self.are_columns {
+            unshuffle_four(unshuffle_four(chains))
+        } else {
+            shuffle_four(shuffle_four(chains))
+        }
+    }
+
+    /// Brings the numbers of a bundle into the lanes of its chains.
+    #[inline(always)]
+    fn gather<S: Simd>(self, simd: S, bundle: usize, from: &[[f32; LANES]], to: &mut [[f32; LANES]]) {
         for place in 0..self.places {
-            for axis in 0..3 {
-                let from = |patch: usize| load(simd, position[patch * self.places + place].axes()[axis]);
-                let patches = [from(0), from(1), from(2), from(3)];
-                let [a, b, c, d] = if self.are_columns {
-                    unshuffle_four(unshuffle_four(patches))
-                } else {
-                    shuffle_four(shuffle_four(patches))
-                };
-                let mut to = |line: usize, numbers: f32x16<S>| {
-                    if line < count {
-                        *cells[self.cell(bundle, line, place)].axes_mut()[axis] = numbers.to_array();
-                    }
-                };
-                to(0, a);
-                to(1, b);
-                to(2, c);
-                to(3, d);
-            }
+            let [a, b, c, d] = self.cells(bundle, place);
+            let lines =
+                [load(simd, &from[a]), load(simd, &from[b]), load(simd, &from[c]), load(simd, &from[d])];
+            let [a, b, c, d] = self.to_chains(lines);
+            to[place] = a.to_array();
+            to[self.places + place] = b.to_array();
+            to[2 * self.places + place] = c.to_array();
+            to[3 * self.places + place] = d.to_array();
+        }
+    }
+
+    /// Brings the vectors of a bundle into the lanes of its chains.
+    #[inline(always)]
+    fn gather3<S: Simd>(self, simd: S, bundle: usize, from: &[Cell], to: &mut [Cell]) {
+        for place in 0..self.places {
+            let [a, b, c, d] = self.cells(bundle, place);
+            let from = |cell: usize| Lanes3::load(simd, &from[cell]);
+            let (a, b, c, d) = (from(a), from(b), from(c), from(d));
+            let x = self.to_chains([a.x, b.x, c.x, d.x]);
+            let y = self.to_chains([a.y, b.y, c.y, d.y]);
+            let z = self.to_chains([a.z, b.z, c.z, d.z]);
+            Lanes3 { x: x[0], y: y[0], z: z[0] }.store(&mut to[place]);
+            Lanes3 { x: x[1], y: y[1], z: z[1] }.store(&mut to[self.places + place]);
+            Lanes3 { x: x[2], y: y[2], z: z[2] }.store(&mut to[2 * self.places + place]);
+            Lanes3 { x: x[3], y: y[3], z: z[3] }.store(&mut to[3 * self.places + place]);
+        }
+    }
+
+    /// Brings the vectors of a bundle's chains back into `cells`: the inverse of [`gather3`](Self::gather3).
+    #[inline(always)]
+    fn scatter3<S: Simd>(self, simd: S, bundle: usize, cells: &mut [Cell], chains: &[Cell]) {
+        for place in 0..self.places {
+            let from = |patch: usize| Lanes3::load(simd, &chains[patch * self.places + place]);
+            let (a, b, c, d) = (from(0), from(1), from(2), from(3));
+            let x = self.to_lines([a.x, b.x, c.x, d.x]);
+            let y = self.to_lines([a.y, b.y, c.y, d.y]);
+            let z = self.to_lines([a.z, b.z, c.z, d.z]);
+            let [first, second, third, fourth] = self.cells(bundle, place);
+            // Lines that are missing come first, so that the last one overwrites them.
+            Lanes3 { x: x[3], y: y[3], z: z[3] }.store(&mut cells[fourth]);
+            Lanes3 { x: x[2], y: y[2], z: z[2] }.store(&mut cells[third]);
+            Lanes3 { x: x[1], y: y[1], z: z[1] }.store(&mut cells[second]);
+            Lanes3 { x: x[0], y: y[0], z: z[0] }.store(&mut cells[first]);
         }
     }
 }
@@ -93,32 +111,14 @@ pub(super) fn solve<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            square.shuffle(
-                simd,
-                bundle,
-                #[inline(always)]
-                |cell| cells[cell].axes(),
-                #[inline(always)]
-                |cell, axis, numbers| *position[cell].axes_mut()[axis] = numbers,
-            );
-            square.shuffle(
-                simd,
-                bundle,
-                #[inline(always)]
-                |cell| [&inverse_mass[cell]],
-                #[inline(always)]
-                |cell, _, numbers| masses[cell] = numbers,
-            );
+            square.gather3(simd, bundle, cells, position);
+            square.gather(simd, bundle, inverse_mass, masses);
         },
     );
     let rest = rest.map(|rest| {
-        square.shuffle(
-            simd,
-            bundle,
+        simd.vectorize(
             #[inline(always)]
-            |cell| rest[cell].axes(),
-            #[inline(always)]
-            |cell, axis, numbers| *rests[cell].axes_mut()[axis] = numbers,
+            || square.gather3(simd, bundle, rest, rests),
         );
         &**rests
     });
@@ -128,6 +128,6 @@ pub(super) fn solve<S: Simd>(
     solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
     simd.vectorize(
         #[inline(always)]
-        || square.shuffle_back(simd, bundle, cells, position),
+        || square.scatter3(simd, bundle, cells, position),
     );
 }
