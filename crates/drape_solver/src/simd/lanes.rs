@@ -90,6 +90,12 @@ impl<S: Simd> Lanes3<S> {
         Self { x: shifted_by(self.x, lanes), y: shifted_by(self.y, lanes), z: shifted_by(self.z, lanes) }
     }
 
+    /// The vectors of the lanes that are 0 to 16 higher; the highest lanes get those of the lowest.
+    #[inline(always)]
+    pub fn rotated(self, lanes: usize) -> Self {
+        Self { x: rotated(self.x, lanes), y: rotated(self.y, lanes), z: rotated(self.z, lanes) }
+    }
+
     /// `self` where `mask` holds, else `other`.
     #[inline(always)]
     pub fn or(self, mask: mask32x16<S>, other: Self) -> Self {
@@ -116,6 +122,15 @@ pub(crate) fn shifted_by<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
         15 => v.slide::<15>(v),
         _ => unreachable!("no patch lies {lanes} lanes away"),
     }
+}
+
+/// The numbers of the lanes that are 0 to 16 higher; the highest lanes get those of the lowest.
+#[inline(always)]
+pub(crate) fn rotated<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
+    let v = if lanes & 1 == 0 { v } else { v.slide::<1>(v) };
+    let v = if lanes & 2 == 0 { v } else { v.slide::<2>(v) };
+    let v = if lanes & 4 == 0 { v } else { v.slide::<4>(v) };
+    if lanes & 8 == 0 { v } else { v.slide::<8>(v) }
 }
 
 /// What a function gives for both. Vectors go through this in place of an array's own `map`, which is not compiled for the instruction

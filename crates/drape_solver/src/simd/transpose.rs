@@ -1,4 +1,4 @@
-//! Shuffles of the numbers of several vectors: sixteen vectors of sixteen numbers turn into the sixteen of their columns.
+//! Shuffles of the numbers of several vectors, and the transposition of sixteen.
 //!
 //! Design: `docs/design/kernels.md`.
 

@@ -1,4 +1,4 @@
-//! Bundles of sixteen lines, which are independent of each other: threads share them.
+//! Bundles of sixteen lines, which are independent of each other: threads share columns and rows of patches side by side.
 //!
 //! ```text
 //!   columns   | | | |   thread 1 solves the bundles on the left        rows   =====   thread 1 solves those above
@@ -25,7 +25,6 @@ use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::load;
 use crate::simd::transpose::transpose;
 use crate::state::bends::is_at_edge;
-use crate::state::layout::Grid;
 use crate::state::settings::StickProjection;
 
 /// Scratch of one thread for one bundle of lines.
@@ -82,12 +81,10 @@ impl<'a> TornBundles<'a> {
     }
 }
 
-/// What all threads read.
+/// Read by all threads.
 #[derive(Clone, Copy)]
 pub(super) struct BundleSolve<'a> {
     pub grid: RuledGrid,
-    /// The patches of the grid: side by side, or four by four.
-    pub patches: Grid,
     pub inverse_mass: &'a [[f32; LANES]],
     /// Weighted sums of bends at rest, by the middle particle; none where they are zero.
     pub rest: Option<&'a [Cell]>,
@@ -122,7 +119,7 @@ impl BundleSolve<'_> {
         let (width, threads) = match self.bundling {
             Bundling::InPlace { width } => (width, threads),
             Bundling::Transposed { .. } => (all, threads),
-            // Bundles lie all over the cells.
+            // No cut between two columns or rows of cells parts them.
             Bundling::Rotated { .. } | Bundling::Shuffled(_) => (all, 1),
         };
         let threads = threads.min(bundles).min(scratch.len());
@@ -186,10 +183,10 @@ impl SomeBundles<'_> {
         for bundle in self.bundles.clone() {
             let Self { solve, position, scratch, .. } = &mut self;
             match solve.bundling {
-                Bundling::InPlace { .. } => self.columns(simd, bundle, projection),
-                Bundling::Transposed { .. } => self.rows(simd, bundle * LANES, projection),
-                Bundling::Rotated { .. } => {
-                    rotated_bundle::solve(simd, solve, bundle, position.row(0), scratch, projection);
+                Bundling::InPlace { width } => self.columns(simd, bundle, width, projection),
+                Bundling::Transposed { width } => self.rows(simd, bundle * LANES, width, projection),
+                Bundling::Rotated { width } => {
+                    rotated_bundle::solve(simd, solve, width, bundle, position.row(0), scratch, projection);
                 }
                 Bundling::Shuffled(lines) => {
                     square_bundle::solve(simd, solve, lines, bundle, position.row(0), scratch, projection);
@@ -200,13 +197,13 @@ impl SomeBundles<'_> {
 
     /// Solves one column of all patches, where it lies.
     #[inline(always)]
-    fn columns<S: Simd>(&mut self, simd: S, column: usize, projection: impl Projection) {
-        let BundleSolve { grid, patches, inverse_mass, rest, torn, solved, .. } = self.solve;
+    fn columns<S: Simd>(&mut self, simd: S, column: usize, width: usize, projection: impl Projection) {
+        let BundleSolve { grid, inverse_mass, rest, torn, solved, .. } = self.solve;
         let position = self.position.column(column);
         let count = grid.rows;
         let (gaps, softness) = torn.of_bundle(column, count);
         let chains = Chains { position, inverse_mass, count, gaps, softness };
-        let is_edge = |lane| is_at_edge(lane * patches.width + column, grid.columns);
+        let is_edge = |lane| is_at_edge(lane * width + column, grid.columns);
         solve_chains(
             simd,
             chains,
@@ -219,10 +216,9 @@ impl SomeBundles<'_> {
 
     /// Solves sixteen rows from row `first` on, or those that are left.
     #[inline(always)]
-    fn rows<S: Simd>(&mut self, simd: S, first: usize, projection: impl Projection) {
+    fn rows<S: Simd>(&mut self, simd: S, first: usize, width: usize, projection: impl Projection) {
         let Self { solve, position, bundles, scratch } = self;
-        let &mut BundleSolve { grid, patches: Grid { width, .. }, inverse_mass, rest, torn, solved, .. } =
-            solve;
+        let &mut BundleSolve { grid, inverse_mass, rest, torn, solved, .. } = solve;
         let count = LANES.min(grid.rows - first);
         // The cells of this thread begin with its first bundle.
         let cells = &mut position.row(0)[(first - bundles.start * LANES) * width..][..count * width];
@@ -298,16 +294,16 @@ fn transpose_back<S: Simd>(simd: S, width: usize, rows: &mut [Cell], chains: &[C
         #[inline(always)]
         || {
             for column in 0..width {
-                axis_back::<S, 0>(simd, column, width, rows, chains);
-                axis_back::<S, 1>(simd, column, width, rows, chains);
-                axis_back::<S, 2>(simd, column, width, rows, chains);
+                transpose_axis_back::<S, 0>(simd, column, width, rows, chains);
+                transpose_axis_back::<S, 1>(simd, column, width, rows, chains);
+                transpose_axis_back::<S, 2>(simd, column, width, rows, chains);
             }
         },
     );
 }
 
 #[inline(always)]
-fn axis_back<S: Simd, const AXIS: usize>(
+fn transpose_axis_back<S: Simd, const AXIS: usize>(
     simd: S,
     column: usize,
     width: usize,
@@ -351,6 +347,7 @@ mod tests {
 
     use super::*;
     use crate::build::cloth::ClothBuilder;
+    use crate::constraint::direct::grid_lines::ALL_LINES;
     use crate::constraint::direct::line_storage::LineStorage;
     use crate::constraint::testing::dice;
     use crate::state::membrane::ElasticStick;
@@ -380,14 +377,17 @@ mod tests {
             let bends = Solved::Bends(1.0);
             let cases = [(sticks, false), (sticks, true), (bends, false)];
             for (lines, (solved, has_gaps)) in
-                [Lines::Columns, Lines::Rows].into_iter().flat_map(|lines| cases.map(|case| (lines, case)))
+                ALL_LINES.into_iter().flat_map(|lines| cases.map(|case| (lines, case)))
             {
+                let is_diagonal = matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
+                if is_diagonal && matches!(solved, Solved::Bends(_)) {
+                    continue;
+                }
                 let LineStorage::Bundled(bundling) = LineStorage::of(lines, grid) else {
                     panic!("in bundles");
                 };
                 let solve = BundleSolve {
                     grid,
-                    patches,
                     inverse_mass,
                     rest: None,
                     torn: TornBundles { gaps: has_gaps.then_some(&*gaps), softness: None },

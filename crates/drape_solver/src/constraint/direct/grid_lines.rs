@@ -137,7 +137,7 @@ impl Lines {
 
     /// The number of lines, and of places in a line.
     ///
-    /// Diagonals go on at the other side of the grid, so that all have a particle in each row.
+    /// Diagonals go on at the other side of the grid, so that all have a place in each row.
     pub(super) fn size(self, grid: RuledGrid) -> (usize, usize) {
         let RuledGrid { columns, rows, .. } = grid;
         match self {
@@ -208,7 +208,7 @@ pub(super) struct RuledGrid {
 }
 
 impl RuledGrid {
-    /// The number of columns after which a diagonal goes on at the other side: all places of patches that lie side by side.
+    /// The number of columns after which a diagonal goes on at the other side: where patches lie side by side, their ghosts count too.
     fn around(self) -> usize {
         match self.patches {
             Some(Grid { across, width, down: 1, .. }) => across * width,

@@ -7,8 +7,8 @@
 //!                                         lane = row; solved; transposed back        shuffled, solved, shuffled back
 //! ```
 //!
-//! Diagonals of patches side by side change their lanes. Those of other grids, and lines of patches one below the other, are gathered
-//! sixteen at a time, solved and scattered.
+//! Diagonals of patches side by side change their lanes. All other lines, as diagonals of patches four by four and lines of grids without
+//! patches, are gathered sixteen at a time, solved and scattered.
 //! Ropes, other grids of very few lines, and loose lines of torn grids are solved one [line](crate::constraint::direct::lone_chain) at a time.
 //!
 //! Design: `docs/design/line_solves.md`.
@@ -47,7 +47,7 @@ pub(crate) struct LineScratch {
     slots: [Vec<u32>; 4],
     /// The grid for which it has room, and true if that has diagonals.
     made_for: Option<(RuledGrid, bool)>,
-    /// Gaps and loose lines, if the grid is torn.
+    /// Gaps in lines, and loose lines of a torn grid.
     torn: TornLines,
 }
 
@@ -163,10 +163,13 @@ pub(crate) fn solve(
             LineStorage::Gathered | LineStorage::Lone => None,
         };
         let position = &mut all[..cells];
-        if let (Some(bundling), Some(patches)) = (bundling, grid.patches) {
+        if let Some(bundling) = bundling {
             let torn = scratch.torn.bundles(lines);
-            BundleSolve { grid, patches, lines, bundling, inverse_mass, rest, torn, solved, projection, isa }
-                .solve(position, &mut scratch.bundles, workers);
+            BundleSolve { grid, lines, bundling, inverse_mass, rest, torn, solved, projection, isa }.solve(
+                position,
+                &mut scratch.bundles,
+                workers,
+            );
         } else {
             isa.run(ScatteredLines {
                 lines,

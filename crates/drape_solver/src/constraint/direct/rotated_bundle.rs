@@ -8,7 +8,7 @@
 //!
 //! Design: `docs/design/line_solves.md`.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
 use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, solve_chains};
 use crate::constraint::direct::chain::Chains;
@@ -16,26 +16,27 @@ use crate::constraint::direct::grid_lines::Lines;
 use crate::constraint::projection::Projection;
 use crate::simd::cell_columns::CellColumn;
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::lanes::{Lanes3, load};
+use crate::simd::lanes::{Lanes3, load, rotated};
 
 /// Solves the diagonals of one bundle. `cells` are those of the whole grid.
 #[inline(always)]
 pub(super) fn solve<S: Simd>(
     simd: S,
     of_body: &BundleSolve,
+    width: usize,
     bundle: usize,
     cells: &mut [Cell],
     scratch: &mut BundleScratch,
     projection: impl Projection,
 ) {
-    let &BundleSolve { grid, patches, lines, inverse_mass, torn, solved, .. } = of_body;
-    let (width, count) = (patches.width, grid.rows);
+    let &BundleSolve { grid, lines, inverse_mass, torn, solved, .. } = of_body;
+    let count = grid.rows;
     // The column of the diagonal that begins in patch 0, counted around the grid, for each row.
     let cell_and_rotation = |row: usize| {
         let around = LANES * width;
         let column = match lines {
-            Lines::Diagonals => bundle + row,
-            _ => bundle + around - row % around,
+            Lines::Antidiagonals => bundle + around - row % around,
+            _ => bundle + row,
         };
         (row * width + column % width, column / width % LANES)
     };
@@ -45,7 +46,7 @@ pub(super) fn solve<S: Simd>(
         || {
             for (row, (place, mass)) in position[..count].iter_mut().zip(masses.iter_mut()).enumerate() {
                 let (cell, rotation) = cell_and_rotation(row);
-                rotated3(Lanes3::load(simd, &cells[cell]), rotation).store(place);
+                Lanes3::load(simd, &cells[cell]).rotated(rotation).store(place);
                 *mass = rotated(load(simd, &inverse_mass[cell]), rotation).to_array();
             }
         },
@@ -59,22 +60,8 @@ pub(super) fn solve<S: Simd>(
         || {
             for (row, place) in position[..count].iter().enumerate() {
                 let (cell, rotation) = cell_and_rotation(row);
-                rotated3(Lanes3::load(simd, place), LANES - rotation).store(&mut cells[cell]);
+                Lanes3::load(simd, place).rotated(LANES - rotation).store(&mut cells[cell]);
             }
         },
     );
-}
-
-#[inline(always)]
-fn rotated3<S: Simd>(v: Lanes3<S>, lanes: usize) -> Lanes3<S> {
-    Lanes3 { x: rotated(v.x, lanes), y: rotated(v.y, lanes), z: rotated(v.z, lanes) }
-}
-
-/// The numbers of the lanes that are so many higher; the highest lanes get those of the lowest.
-#[inline(always)]
-fn rotated<S: Simd>(v: f32x16<S>, lanes: usize) -> f32x16<S> {
-    let v = if lanes & 1 == 0 { v } else { v.slide::<1>(v) };
-    let v = if lanes & 2 == 0 { v } else { v.slide::<2>(v) };
-    let v = if lanes & 4 == 0 { v } else { v.slide::<4>(v) };
-    if lanes & 8 == 0 { v } else { v.slide::<8>(v) }
 }

@@ -43,13 +43,17 @@ impl SquareLines {
         }
     }
 
-    /// Brings the numbers of a bundle into the lanes of its chains.
+    /// Brings the inverse masses of a bundle into the lanes of its chains. Lines that are missing do not move.
     #[inline(always)]
-    fn gather<S: Simd>(self, simd: S, bundle: usize, from: &[[f32; LANES]], to: &mut [[f32; LANES]]) {
+    fn gather_masses<S: Simd>(self, simd: S, bundle: usize, from: &[[f32; LANES]], to: &mut [[f32; LANES]]) {
+        const NONE: [f32; LANES] = [0.0; LANES];
+        let lines = self.lines_of(bundle);
         for place in 0..self.places {
             let [a, b, c, d] = self.cells(bundle, place);
-            let lines =
-                [load(simd, &from[a]), load(simd, &from[b]), load(simd, &from[c]), load(simd, &from[d])];
+            let b = if lines < 2 { &NONE } else { &from[b] };
+            let c = if lines < 3 { &NONE } else { &from[c] };
+            let d = if lines < 4 { &NONE } else { &from[d] };
+            let lines = [load(simd, &from[a]), load(simd, b), load(simd, c), load(simd, d)];
             let [a, b, c, d] = self.to_chains(lines);
             to[place] = a.to_array();
             to[self.places + place] = b.to_array();
@@ -63,8 +67,8 @@ impl SquareLines {
     fn gather3<S: Simd>(self, simd: S, bundle: usize, from: &[Cell], to: &mut [Cell]) {
         for place in 0..self.places {
             let [a, b, c, d] = self.cells(bundle, place);
-            let from = |cell: usize| Lanes3::load(simd, &from[cell]);
-            let (a, b, c, d) = (from(a), from(b), from(c), from(d));
+            let (a, b) = (Lanes3::load(simd, &from[a]), Lanes3::load(simd, &from[b]));
+            let (c, d) = (Lanes3::load(simd, &from[c]), Lanes3::load(simd, &from[d]));
             let x = self.to_chains([a.x, b.x, c.x, d.x]);
             let y = self.to_chains([a.y, b.y, c.y, d.y]);
             let z = self.to_chains([a.z, b.z, c.z, d.z]);
@@ -79,8 +83,9 @@ impl SquareLines {
     #[inline(always)]
     fn scatter3<S: Simd>(self, simd: S, bundle: usize, cells: &mut [Cell], chains: &[Cell]) {
         for place in 0..self.places {
-            let from = |patch: usize| Lanes3::load(simd, &chains[patch * self.places + place]);
-            let (a, b, c, d) = (from(0), from(1), from(2), from(3));
+            let [a, b, c, d] = [0, 1, 2, 3].map(|patch| patch * self.places + place);
+            let (a, b) = (Lanes3::load(simd, &chains[a]), Lanes3::load(simd, &chains[b]));
+            let (c, d) = (Lanes3::load(simd, &chains[c]), Lanes3::load(simd, &chains[d]));
             let x = self.to_lines([a.x, b.x, c.x, d.x]);
             let y = self.to_lines([a.y, b.y, c.y, d.y]);
             let z = self.to_lines([a.z, b.z, c.z, d.z]);
@@ -112,16 +117,13 @@ pub(super) fn solve<S: Simd>(
         #[inline(always)]
         || {
             square.gather3(simd, bundle, cells, position);
-            square.gather(simd, bundle, inverse_mass, masses);
+            square.gather_masses(simd, bundle, inverse_mass, masses);
+            if let Some(rest) = rest {
+                square.gather3(simd, bundle, rest, rests);
+            }
         },
     );
-    let rest = rest.map(|rest| {
-        simd.vectorize(
-            #[inline(always)]
-            || square.gather3(simd, bundle, rest, rests),
-        );
-        &**rests
-    });
+    let rest = rest.map(|_| &**rests);
     let (gaps, softness) = torn.of_bundle(bundle, count);
     let chains = Chains { position: CellColumn::new(position), inverse_mass: masses, count, gaps, softness };
     let is_edge = |lane| is_at_edge(square.line_of(bundle, lane), number);

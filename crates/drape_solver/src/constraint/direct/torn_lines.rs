@@ -36,7 +36,7 @@ pub(super) struct TornLines {
 #[derive(Clone, Debug, Default)]
 struct TornDirection {
     /// For each bundle of lines that are solved side by side, and each place in these: bit mask of the lanes without a stick
-    /// to the next place, lane 0 in the lowest bit. Empty if the grid is whole, or has too few lines for a bundle.
+    /// to the next place, lane 0 in the lowest bit. Empty if all have theirs, or if the grid has too few lines for a bundle.
     gaps: Vec<u16>,
     /// The compliance of these sticks, in parts of that inside the cloth. Empty if they are no springs.
     softness: Vec<[f32; LANES]>,
@@ -74,7 +74,7 @@ struct Link {
 }
 
 impl TornLines {
-    /// Lists gaps and loose lines, and returns true, unless they are listed for this topology. `grid` is what is left of its grid.
+    /// Lists gaps and loose lines, and returns true, unless they are listed for this topology. `grid` is its grid, or what is left of it.
     pub fn note(&mut self, topology: &Arc<Topology>, grid: Option<RuledGrid>) -> bool {
         if core::ptr::eq(self.topology.as_ptr(), Arc::as_ptr(topology)) {
             return false;
@@ -94,7 +94,7 @@ impl TornLines {
         true
     }
 
-    /// The differences of these lines where they are solved side by side.
+    /// The gaps of these lines, and their softness, where they are solved side by side.
     pub fn bundles(&self, lines: Lines) -> TornBundles<'_> {
         let TornDirection { gaps, softness, .. } = &self.along[lines as usize];
         TornBundles {
@@ -161,11 +161,14 @@ impl TornDirection {
         }
     }
 
-    /// Notes the ends of diagonals at the sides of the grid, where they go on at the other side.
+    /// Makes room for gaps, and notes those of diagonals at the sides of the grid, where they go on at the other side.
     fn note_ends(&mut self, grid: RuledGrid, lines: Lines) {
         let (number, count) = lines.size(grid);
         let storage = LineStorage::of(lines, grid);
         self.gaps.resize(storage.bundles(number) * count, 0);
+        if matches!(lines, Lines::Rows | Lines::Columns) {
+            return;
+        }
         for [line, place] in (0..number).flat_map(|line| (0..count).map(move |place| [line, place])) {
             if !lines.has_stick(grid, [line, place]) {
                 let (bundle, lane) = storage.bundle_of(line);
@@ -306,4 +309,45 @@ fn chains(links: &[Link]) -> Vec<Vec<u32>> {
         }
     }
     chains
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::{ClothBuilder, ClothMaterial};
+    use crate::state::membrane::MembraneStiffness;
+    use crate::state::settings::BodySettings;
+
+    /// Patches side by side with and without ghosts, four by four, one below the other, and a grid without patches.
+    #[test]
+    fn diagonals_end_at_the_sides_of_a_whole_grid() {
+        for (columns, rows) in [(40, 20), (64, 70), (9, 12), (3, 40), (6, 5)] {
+            let membrane_stiffness = MembraneStiffness::balanced(100.0, 5.0);
+            let material = ClothMaterial { membrane_stiffness, ..ClothMaterial::default() };
+            let cloth = ClothBuilder::new(1.0, 1.0, columns, rows).material(material);
+            let body = cloth.build(BodySettings::default()).expect("valid");
+            let grid = RuledGrid::of(&body.topology).expect("a grid");
+            let mut found = TornLines::default();
+            assert!(found.note(&body.topology, Some(grid)));
+            assert_eq!(found.longest(), 0, "no line is loose");
+            for lines in ALL_LINES {
+                let gaps = found.bundles(lines).gaps;
+                if matches!(lines, Lines::Rows | Lines::Columns) {
+                    assert!(gaps.is_none());
+                    continue;
+                }
+                let gaps = gaps.expect("at the sides");
+                let (number, count) = lines.size(grid);
+                for (line, place) in (0..number).flat_map(|line| (0..count).map(move |place| (line, place))) {
+                    let (bundle, lane) = LineStorage::of(lines, grid).bundle_of(line);
+                    let is_gap = gaps[bundle * count + place] & (1 << lane) != 0;
+                    assert_eq!(
+                        is_gap,
+                        !lines.has_stick(grid, [line, place]),
+                        "{lines:?} of {columns} x {rows}: {line}, {place}"
+                    );
+                }
+            }
+        }
+    }
 }
