@@ -17,13 +17,13 @@ use std::sync::Arc;
 
 use fearless_simd::Simd;
 
-use crate::constraint::direct::bundle::{self, BundleScratch, BundleSolve, grow, solve_chains};
+use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, grow, solve_chains};
 use crate::constraint::direct::chain::Chains;
 use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, RuledGrid, Solved};
 use crate::constraint::direct::line_storage::{Bundling, LineStorage, slots};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
-use crate::constraint::direct::thread_friction;
 use crate::constraint::direct::torn_lines::{LoneLine, TornLines};
+use crate::constraint::direct::{shared_bundles, thread_friction};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::parallel::workers::Workers;
 use crate::simd::cell_columns::CellColumn;
@@ -135,7 +135,7 @@ pub(crate) fn solve(
     // Particles without a place in a torn grid follow behind it.
     let patches = grid.and_then(|grid| grid.patches);
     let cells = patches.map_or(particles.position.cells.len(), |patches| patches.width * patches.height);
-    scratch.share(bundle::threads(workers.most(), cells));
+    scratch.share(shared_bundles::threads(workers.most(), cells));
     for &(lines, mut solved) in lines {
         match &mut solved {
             Solved::Sticks(stick) => {
