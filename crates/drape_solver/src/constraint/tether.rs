@@ -69,6 +69,10 @@ impl TetherPlan {
                 if !is_all_free {
                     is_taut &= load(simd, &joined.inverse_mass[place]).simd_gt(zero);
                 }
+                // The tethers of most ties are slack.
+                if !is_taut.any_true() {
+                    continue;
+                }
                 let mut part = projection.errors(simd, distance_squared, length);
                 let is_too_far = (part * part * distance_squared).simd_gt(most_squared) & is_taut;
                 if is_too_far.any_true() {
