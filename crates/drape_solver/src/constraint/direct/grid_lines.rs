@@ -42,6 +42,11 @@ impl Lines {
         }
     }
 
+    /// True for lines that lie aslant.
+    pub fn is_diagonal(self) -> bool {
+        matches!(self, Self::Diagonals | Self::Antidiagonals)
+    }
+
     /// The lines along which this offset leads, in their direction or against it.
     pub fn along_offset(offset: [isize; 2]) -> Option<Self> {
         let back = offset.map(|way| -way);
@@ -77,7 +82,7 @@ impl Lines {
         let lines = Self::along(batch, topology)?;
         let is_rigid = settings.structural == StructuralSolve::Lines
             && matches!(batch.sticks, BatchSticks::Grid { .. })
-            && matches!(lines, Self::Rows | Self::Columns)
+            && !lines.is_diagonal()
             && batch.material.kind == StickKind::Structural
             && stiffness >= 1.0;
         (is_rigid || lines.springs(topology).is_some()).then_some(lines)
@@ -110,7 +115,7 @@ impl Lines {
 
     /// True for rows and columns, and for diagonals that are springs.
     pub(super) fn can_be_solved(self, topology: &Topology) -> bool {
-        matches!(self, Self::Rows | Self::Columns) || self.springs(topology).is_some()
+        !self.is_diagonal() || self.springs(topology).is_some()
     }
 
     /// The bends of these lines; none if they do not resist.

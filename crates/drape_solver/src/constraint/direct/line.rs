@@ -293,8 +293,7 @@ impl ScatteredLines<'_> {
             let of_chains = CellColumn::new(gathered);
             let chains = Chains { position: of_chains, inverse_mass: gathered_mass, count, gaps, softness };
             // A diagonal belongs to one square alone.
-            let is_side = matches!(lines, Lines::Rows | Lines::Columns);
-            let is_edge = |lane| is_side && is_at_edge(first + lane, number);
+            let is_edge = |lane| !lines.is_diagonal() && is_at_edge(first + lane, number);
             let rest = rest.map(|_| &**gathered_rest);
             solve_chains(simd, chains, (chain, bends), (solved, rest), is_edge, projection);
             for (i, slots) in own.chunks_exact(lanes).enumerate() {

@@ -36,13 +36,12 @@ const LEAST_BUNDLED_LINES: usize = 4;
 
 impl LineStorage {
     pub fn of(lines: Lines, grid: RuledGrid) -> Self {
-        let is_diagonal = matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
         match (lines, grid.patches) {
-            _ if !is_diagonal && lines.size(grid).0 < LEAST_BUNDLED_LINES => Self::Lone,
+            _ if !lines.is_diagonal() && lines.size(grid).0 < LEAST_BUNDLED_LINES => Self::Lone,
             (Lines::Rows, Some(Grid { down: 1, width, .. })) => Self::Bundled(Bundling::Transposed { width }),
             (Lines::Columns, Some(Grid { down: 1, width, .. })) => Self::Bundled(Bundling::InPlace { width }),
             (_, Some(Grid { down: 1, width, .. })) => Self::Bundled(Bundling::Rotated { width }),
-            (_, Some(patches @ Grid { across: SIDE, down: SIDE, .. })) if !is_diagonal => {
+            (_, Some(patches @ Grid { across: SIDE, down: SIDE, .. })) if !lines.is_diagonal() => {
                 Self::Bundled(Bundling::Shuffled(SquareLines::new(lines, patches)))
             }
             _ => Self::Gathered,
@@ -182,10 +181,10 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::build::cloth::ClothBuilder;
-    use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, TornBundles, grow, solve_chains};
+    use crate::constraint::direct::bundle::{BundleScratch, BundleSolve, TornBundles, solve_chains};
     use crate::constraint::direct::chain::Chains;
     use crate::constraint::direct::grid_lines::{ALL_LINES, Solved};
+    use crate::constraint::direct::testing::{crumpled, room_for};
     use crate::constraint::projection::Exact;
     use crate::constraint::testing::dice;
     use crate::parallel::workers::Workers;
@@ -194,7 +193,7 @@ mod tests {
     use crate::simd::isa::{Isa, Kernel};
     use crate::state::bends::is_at_edge;
     use crate::state::membrane::ElasticStick;
-    use crate::state::settings::{BodySettings, StickProjection};
+    use crate::state::settings::StickProjection;
 
     /// One line in all sixteen lanes.
     struct OneLine<'a> {
@@ -254,30 +253,20 @@ mod tests {
             (Solved::Bends(1.0), false),
         ];
         for (columns, rows) in [(9, 12), (17, 30), (32, 31), (24, 40), (40, 20), (64, 70)] {
-            let cloth = ClothBuilder::new(0.1 * (columns - 1) as f32, 0.1 * (rows - 1) as f32, columns, rows);
-            let mut body = cloth.pin(0).pin(40).build(BodySettings::default()).expect("valid");
-            let mut dice = dice(3);
-            for i in 0..body.particles.len() {
-                let place = body.particles.position(i) + Vec3::new(dice(), dice(), dice()) * 0.02;
-                body.particles.set_position(i, place);
-            }
-            body.particles.arrange(&body.topology.layout);
+            let body = crumpled(columns, rows, &[40]);
             let grid = RuledGrid::of(&body.topology).expect("a grid");
             let patches = grid.patches.expect("in patches");
             let (inverse_mass, _) = body.particles.inverse_mass.as_chunks::<LANES>();
+            let mut dice = dice(3);
             let mut rest = body.particles.position.cells.clone();
             for cell in &mut rest {
                 (0..LANES).for_each(|lane| cell.set(lane, Vec3::new(dice(), dice(), dice()) * 0.01));
             }
-            let mut scratch = BundleScratch::default();
-            scratch.chain.reserve(80);
-            scratch.reserve_particles(80);
-            grow(&mut scratch.bends, 80);
-            grow(&mut scratch.rest, 80);
+            let mut scratch = room_for(80);
             for (lines, (solved, has_gaps)) in
                 ALL_LINES.into_iter().flat_map(|lines| cases.map(|case| (lines, case)))
             {
-                let is_diagonal = matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
+                let is_diagonal = lines.is_diagonal();
                 let storage = LineStorage::of(lines, grid);
                 let LineStorage::Bundled(bundling) = storage else {
                     assert!(is_diagonal && patches.down > 1, "{lines:?} of {columns} x {rows}");

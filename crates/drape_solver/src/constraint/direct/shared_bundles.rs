@@ -157,17 +157,13 @@ impl SomeBundles<'_> {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
-    use crate::build::cloth::ClothBuilder;
-    use crate::constraint::direct::bundle::{TornBundles, grow};
-    use crate::constraint::direct::grid_lines::{ALL_LINES, Lines, RuledGrid, Solved};
+    use crate::constraint::direct::bundle::TornBundles;
+    use crate::constraint::direct::grid_lines::{ALL_LINES, RuledGrid, Solved};
     use crate::constraint::direct::line_storage::LineStorage;
-    use crate::constraint::testing::dice;
+    use crate::constraint::direct::testing::{crumpled, room_for};
     use crate::simd::isa::Isa;
     use crate::state::membrane::ElasticStick;
-    use crate::state::settings::BodySettings;
 
     /// Rows that fill bundles and that do not, fewer bundles than threads, sticks and bends.
     #[test]
@@ -175,13 +171,7 @@ mod tests {
     fn any_number_of_threads_leaves_the_same_bits() {
         let columns = 80;
         for rows in [17, 33, 48, 100] {
-            let cloth = ClothBuilder::new(0.1 * (columns - 1) as f32, 0.1 * (rows - 1) as f32, columns, rows);
-            let mut body = cloth.pin(0).build(BodySettings::default()).expect("valid");
-            let mut dice = dice(5);
-            for i in 0..body.particles.len() {
-                let place = body.particles.position(i) + Vec3::new(dice(), dice(), dice()) * 0.02;
-                body.particles.set_position(i, place);
-            }
+            let body = crumpled(columns, rows, &[]);
             let grid = RuledGrid::of(&body.topology).expect("a grid");
             let patches = grid.patches.expect("in patches");
             assert_eq!(patches.down, 1, "its patches lie side by side");
@@ -195,7 +185,7 @@ mod tests {
             for (lines, (solved, has_gaps)) in
                 ALL_LINES.into_iter().flat_map(|lines| cases.map(|case| (lines, case)))
             {
-                let is_diagonal = matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
+                let is_diagonal = lines.is_diagonal();
                 if is_diagonal && matches!(solved, Solved::Bends(_)) {
                     continue;
                 }
@@ -215,13 +205,7 @@ mod tests {
                 };
                 let solved_on = |threads: usize| {
                     let mut position = body.particles.position.cells.clone();
-                    let mut scratch = vec![BundleScratch::default(); threads];
-                    for scratch in &mut scratch {
-                        let count = 2 * columns.max(rows) as usize;
-                        scratch.chain.reserve(count);
-                        scratch.reserve_particles(count);
-                        grow(&mut scratch.bends, count);
-                    }
+                    let mut scratch = vec![room_for(2 * columns.max(rows) as usize); threads];
                     solve.solve_on(&mut position, &mut scratch, &Workers::default(), threads);
                     position
                 };

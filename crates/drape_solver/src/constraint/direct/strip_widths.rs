@@ -53,7 +53,7 @@ impl StripWidths {
             let [first, last] = if lines.offset() == offset { [a, b] } else { [b, a] };
             self.from[lines as usize][slots[first]] += 0.5 * share;
             self.to[lines as usize][slots[last]] += 0.5 * share;
-            if matches!(lines, Lines::Diagonals | Lines::Antidiagonals) {
+            if lines.is_diagonal() {
                 // The other diagonal leads from the corner between the legs to a particle of the other half of the square.
                 let opposite =
                     [0, 1].map(|axis| places[a][axis] + places[b][axis] - 2 * places[corner][axis]);

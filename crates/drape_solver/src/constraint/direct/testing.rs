@@ -3,13 +3,17 @@
 use fearless_simd::Simd;
 use glam::Vec3;
 
+use crate::build::cloth::ClothBuilder;
+use crate::constraint::direct::bundle::{BundleScratch, grow};
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::projection::Exact;
 use crate::constraint::testing::dice;
 use crate::simd::cell_columns::CellColumns;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Kernel;
+use crate::state::body::Body;
 use crate::state::membrane::ElasticStick;
+use crate::state::settings::BodySettings;
 
 pub const REST: f32 = 0.1;
 pub const RIGID: ElasticStick = ElasticStick { rest: REST, compliance: 0.0 };
@@ -64,6 +68,30 @@ pub fn chains(count: usize, stretched: f32) -> (Vec<Cell>, Vec<[f32; LANES]>) {
 /// The width of the sticks of a lane's chain, in parts of those inside the cloth.
 pub fn width_share(lane: usize) -> f64 {
     if EDGES & (1 << lane) == 0 { 1.0 } else { 0.5 }
+}
+
+/// A crumpled cloth with particles 0.1 m apart, in the cells of its grid. Particle 0 and those in `pins` are pinned.
+pub fn crumpled(columns: u32, rows: u32, pins: &[u32]) -> Body {
+    let cloth = ClothBuilder::new(REST * (columns - 1) as f32, REST * (rows - 1) as f32, columns, rows);
+    let cloth = pins.iter().fold(cloth.pin(0), |cloth, &pin| cloth.pin(pin));
+    let mut body = cloth.build(BodySettings::default()).expect("valid");
+    let mut dice = dice(5);
+    for i in 0..body.particles.len() {
+        let place = body.particles.position(i) + Vec3::new(dice(), dice(), dice()) * 0.02;
+        body.particles.set_position(i, place);
+    }
+    body.particles.arrange(&body.topology.layout);
+    body
+}
+
+/// Scratch of one thread for lines of `count` places, ghosts included.
+pub fn room_for(count: usize) -> BundleScratch {
+    let mut scratch = BundleScratch::default();
+    scratch.chain.reserve(count);
+    scratch.reserve_particles(count);
+    grow(&mut scratch.bends, count);
+    grow(&mut scratch.rest, count);
+    scratch
 }
 
 pub fn lane_of<T>(count: usize, of: impl Fn(usize) -> T) -> Vec<T> {

@@ -85,8 +85,7 @@ impl TornLines {
         for lines in ALL_LINES {
             let own = &mut self.along[lines as usize];
             *own = TornDirection::default();
-            let has_gaps = is_torn || matches!(lines, Lines::Diagonals | Lines::Antidiagonals);
-            if has_gaps && lines.can_be_solved(topology) {
+            if (is_torn || lines.is_diagonal()) && lines.can_be_solved(topology) {
                 let widths = widths.as_ref().filter(|_| lines.springs(topology).is_some());
                 own.note(topology, grid, lines, widths);
             }
@@ -166,7 +165,7 @@ impl TornDirection {
         let (number, count) = lines.size(grid);
         let storage = LineStorage::of(lines, grid);
         self.gaps.resize(storage.bundles(number) * count, 0);
-        if matches!(lines, Lines::Rows | Lines::Columns) {
+        if !lines.is_diagonal() {
             return;
         }
         for [line, place] in (0..number).flat_map(|line| (0..count).map(move |place| [line, place])) {
@@ -332,7 +331,7 @@ mod tests {
             assert_eq!(found.longest(), 0, "no line is loose");
             for lines in ALL_LINES {
                 let gaps = found.bundles(lines).gaps;
-                if matches!(lines, Lines::Rows | Lines::Columns) {
+                if !lines.is_diagonal() {
                     assert!(gaps.is_none());
                     continue;
                 }
