@@ -198,7 +198,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.context.reactions.clear();
     let iterations = island.iterations();
     for (body, plan) in island.bodies.iter_mut().zip(&mut island.context.plans) {
-        begin::begin_step(body, plan, island.context.order, h, substeps, iterations);
+        let is_near_mover = begin::is_near_mover(body, environment);
+        begin::begin_step(body, plan, island.context.order, h, substeps, iterations, is_near_mover);
         thread_friction::follow(body, island.isa);
         bending_friction::follow(body, island.isa);
     }

@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS};
+use crate::constraint::direct::grid_lines::stick_iterations;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
 use crate::state::particle_stats::MassStats;
@@ -15,7 +16,7 @@ const PATH_OF_SUBSTEP: f32 = 0.25;
 /// The number of substeps for a ball that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
 ///
 /// In a substep `h` sticks pull the patch of cloth in front of the ball, of mass `m`, back by `s`, and a projection
-/// then gives the ball the momentum `m s / h`. N iterations make N + 1 projections, which act as a spring of stiffness
+/// then gives the ball the momentum `m s / h`. N relaxations of sticks make N + 1 projections, which act as a spring of stiffness
 /// `(N + 1) m / h^2`. A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. If
 /// that is more than a part of its radius, the sticks pull the cloth past its middle, and the ball passes through.
 ///
@@ -43,7 +44,8 @@ pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
             core::f32::consts::PI * (across * across).min(2.0 * across)
         };
         let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
-        let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
+        let relaxations = stick_iterations(&body.particles, &body.topology, &body.settings).len();
+        let ratio = mass / (patch * (relaxations + 1) as f32);
         wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
         wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
     }

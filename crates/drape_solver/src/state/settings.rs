@@ -38,9 +38,10 @@ pub enum StructuralSolve {
     /// time; in equal time by a tenth of what sweeps leave.
     ///
     /// Takes effect if structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from 9 x 9
-    /// particles, or 33 in a rope. Other sticks are still swept. Lines are solved once a substep, in the last iteration, so that
-    /// one iteration serves best. The gain grows with the substeps: with fewer than 8 the shear and bend sticks undo much of
-    /// the lines' work. Torn cloth keeps its lines, with gaps. A line with a stick that is stretched by more than 10 % gives way.
+    /// particles, or 33 in a rope without self-contact. Other sticks are still swept. Sticks and lines are relaxed once a substep, in the
+    /// last iteration; those before only project contacts, unless joints hold the body. The gain grows with the substeps: with
+    /// fewer than 8 the shear and bend sticks undo much of the lines' work. With more than one iteration, cloth is swept while an obstacle
+    /// with a [`RigidBody`](crate::RigidBody) is near. Torn cloth keeps its lines, with gaps. A line with a stick that is stretched by more than 10 % gives way.
     Lines,
 }
 
@@ -49,8 +50,8 @@ pub enum StructuralSolve {
 /// contact.
 ///
 /// Contacts between cloths are solved once a substep. If a rope takes part, all contacts are solved in each iteration:
-/// four iterations of [sweeps](StructuralSolve::Sweeps) in 12 or more substeps hold a knot under twice the rope's
-/// weight. [Lines](StructuralSolve::Lines) pull harder than contacts push, so that a knot gives way earlier.
+/// four iterations in 12 or more substeps hold a knot under twice the rope's weight. Such a rope is always
+/// [swept](StructuralSolve::Sweeps), as lines pull harder than contacts push.
 ///
 /// Such a body is neither swept in strips nor shared between threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -2,14 +2,17 @@
 //!
 //! Design: `docs/design/integration.md`.
 
+use crate::constants::CONTACT_MARGIN;
 use crate::constraint::damping::substep_damping;
+use crate::constraint::direct::grid_lines::stick_iterations;
 use crate::constraint::stick::{greatest_error, iteration_stiffness};
+use crate::motion::environment::Environment;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
-use crate::state::settings::StructuralSolve;
+use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::substep::order::Order;
-use crate::substep::plan::{BodyPlan, Extras, Factors};
+use crate::substep::plan::{BodyPlan, Extras, Relaxation};
 
 /// Arranges the particles in the topology's layout, and gathers their statistics if anything has changed.
 pub(crate) fn prepare(body: &mut Body) {
@@ -21,7 +24,8 @@ pub(crate) fn prepare(body: &mut Body) {
 
 /// Sets everything that stays the same through the substeps of one step, `substep` seconds each.
 ///
-/// `projections` is the number of iterations of the island, and so of the projections of contacts.
+/// `projections` is the number of iterations of the island, and so of the projections of contacts; a mover is an obstacle that contacts
+/// push around.
 pub(crate) fn begin_step(
     body: &mut Body,
     plan: &mut BodyPlan,
@@ -29,16 +33,21 @@ pub(crate) fn begin_step(
     substep: f32,
     substeps: u32,
     projections: u32,
+    is_near_mover: bool,
 ) {
+    let structural = structural_solve(body, is_near_mover);
     let Body { particles, topology, settings, context, .. } = body;
+    let settings = BodySettings { structural, ..*settings };
     particles.set_substep(substep);
     context.drag = Drag::new(settings.drag, substep);
+    let iterations = stick_iterations(particles, topology, &settings);
     let materials = topology.batches.iter().map(|batch| &batch.material);
     let effective_substep = context.drag.effective_substep(substep);
     context.stiffness.clear();
-    context.stiffness.extend(
-        materials.clone().map(|m| iteration_stiffness(m.stiffness, effective_substep, settings.iterations)),
-    );
+    let count = iterations.len() as u32;
+    context
+        .stiffness
+        .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, effective_substep, count)));
     if !topology.bends.listed.is_empty() {
         context.bends.reserve(particles.layout.cells());
     }
@@ -52,12 +61,7 @@ pub(crate) fn begin_step(
     positions.reset(topology.window(), particles.layout.cells());
     let is_damped = context.damping.iter().any(|&damping| damping > 0.0);
     displacements.reset(if is_damped { topology.window() } else { 0 }, particles.layout.cells());
-    let mut settings = *settings;
-    if !particles.joints.is_empty() && topology.is_rope() && !settings.has_self_contact() {
-        // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
-        settings.structural = StructuralSolve::Lines;
-    }
-    if settings.structural == StructuralSolve::Lines || topology.has_elastic_lines() {
+    if structural == StructuralSolve::Lines || topology.has_elastic_lines() {
         plan.lines.reserve(topology);
     }
     let frame = particles.frame.as_ref();
@@ -69,13 +73,36 @@ pub(crate) fn begin_step(
         has_backstops: !particles.pose.backstops.is_empty(),
         has_drives: !particles.pose.drives.is_empty(),
     };
-    let factors = Factors { stiffness: &context.stiffness, damping: &context.damping };
-    plan.plan.make(order, topology, &settings, factors, projections, extras);
+    let relaxation =
+        Relaxation { substeps, iterations, stiffness: &context.stiffness, damping: &context.damping };
+    plan.plan.make(order, topology, &settings, relaxation, projections, extras);
     context.pin_shifts.clear();
     for &(i, target) in &particles.pin_targets {
         let way = target - particles.origin - particles.position.get(i as usize);
         context.pin_shifts.push((i, way / substeps as f32));
     }
+}
+
+/// True if a mover may touch the body in the coming step.
+pub(crate) fn is_near_mover(body: &Body, environment: &Environment) -> bool {
+    let (low, high) = body.particles.bounds();
+    let fall = environment.gravity.length() * environment.dt;
+    let way = (body.particles.greatest_speed() + fall) * environment.dt;
+    let reach = way + body.settings.thickness + CONTACT_MARGIN;
+    environment.obstacles.is_any_near(low - reach, high + reach, |obstacle| obstacle.rigid_body().is_some())
+}
+
+/// How structural sticks are solved in this step.
+fn structural_solve(body: &Body, is_near_mover: bool) -> StructuralSolve {
+    let Body { particles, topology, settings, .. } = body;
+    if topology.is_rope() {
+        // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
+        let is_joined = !particles.joints.is_empty() && !settings.has_self_contact();
+        return if is_joined { StructuralSolve::Lines } else { settings.structural };
+    }
+    // Lines take the light particles under a mover far into it, which contact then moves out again: a heavy one pushes through. Sweeps in
+    // each iteration give it the pull of many.
+    if is_near_mover && settings.iterations > 1 { StructuralSolve::Sweeps } else { settings.structural }
 }
 
 /// Upper bound in metres on the pull of sticks, pins, limits, backstops and the frame on a particle in the coming step,

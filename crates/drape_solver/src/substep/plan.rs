@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 
-use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
+use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS, MOST_SUBSTEPS_OF_TWO_COLUMNS};
 use crate::constraint::direct::grid_lines::{Lines, Solved};
 use crate::constraint::direct::line::LineScratch;
 use crate::state::settings::BodySettings;
@@ -85,12 +85,16 @@ pub(crate) struct BodyPlan {
     pub lines: LineScratch,
 }
 
-/// For each batch of sticks, the parts that a substep removes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Factors<'a> {
-    /// The part of the errors that an iteration removes.
+/// How the sticks of a body are relaxed.
+#[derive(Clone, Debug)]
+pub(crate) struct Relaxation<'a> {
+    /// Substeps of the step.
+    pub substeps: u32,
+    /// The iterations of a substep in which sticks are relaxed.
+    pub iterations: Range<u32>,
+    /// For each batch of sticks, the part of the errors that an iteration removes.
     pub stiffness: &'a [f32],
-    /// The part of the speeds along the sticks that damping removes.
+    /// For each batch of sticks, the part of the speeds along them that damping removes in a substep.
     pub damping: &'a [f32],
 }
 
@@ -136,17 +140,17 @@ impl Plan {
         order: Order,
         topology: &Topology,
         settings: &BodySettings,
-        Factors { stiffness, damping }: Factors,
+        Relaxation { substeps, iterations, stiffness, damping }: Relaxation,
         projections: u32,
         extras: Extras,
     ) {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
-        self.list_lines(topology, settings, stiffness);
+        self.list_lines(topology, settings, stiffness, substeps <= MOST_SUBSTEPS_OF_TWO_COLUMNS);
         self.stages.clear();
         self.first_of_stage.clear();
         for (stage, projection) in order.of_body(projections) {
             self.first_of_stage.push(self.stages.len() as u32);
-            let has_sticks = projection < settings.iterations;
+            let has_sticks = iterations.contains(&projection);
             match stage {
                 BodyStage::Integrate => self.stages.push(StripStage::Integrate),
                 BodyStage::Carry => self.stages.extend(extras.has_frame.then_some(StripStage::Carry)),
@@ -162,7 +166,7 @@ impl Plan {
                 BodyStage::Tethers if has_sticks && settings.tethers && !topology.tethers.is_empty() => {
                     self.stages.push(StripStage::Tethers);
                 }
-                BodyStage::Lines if self.solves_lines(projection, settings.iterations) => {
+                BodyStage::Lines if self.solves_lines(projection, iterations.end) => {
                     self.places_of_lines.push(self.stages.len());
                 }
                 BodyStage::Update => {
@@ -229,8 +233,15 @@ impl Plan {
     ///   1/2 columns, 1/2 rows, diagonals, 1/2 rows, 1/2 columns
     /// ```
     ///
-    /// All of them move the same particles, by turns. A list that reads the same from both ends gains far less energy by that.
-    fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
+    /// All of them move the same particles, by turns. A list that reads the same from both ends gains far less energy by that. So rigid
+    /// columns come again after the rows, if `repeats_columns`.
+    fn list_lines(
+        &mut self,
+        topology: &Topology,
+        settings: &BodySettings,
+        stiffness: &[f32],
+        repeats_columns: bool,
+    ) {
         self.places_of_lines.clear();
         self.lines.clear();
         let threads = [Lines::Columns, Lines::Rows];
@@ -246,6 +257,12 @@ impl Plan {
         }
         let is_left = |thread: &(Lines, Solved)| !has_diagonals || half(*thread).is_none();
         self.lines.extend(threads.into_iter().flatten().filter(is_left));
+        if let [Some(columns), Some(rows)] = threads
+            && repeats_columns
+            && [columns, rows].into_iter().all(|lines| half(lines).is_none())
+        {
+            self.lines.push(columns);
+        }
     }
 
     /// True if lines are solved in this iteration: in the last one, as small sheets would gain energy by more.

@@ -159,7 +159,7 @@ fn points(island: &Island) -> impl Iterator<Item = (usize, Vec3)> {
 }
 
 /// After one step of 20 m, all particles of the sheet that were in the path are in front of the obstacle, and so are all
-/// points of its faces.
+/// points of the faces of a coarse sheet. A fine one may be stretched around a pole by ten times for a moment, its faces across it.
 #[test]
 fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
     for (shape, half) in racing() {
@@ -170,6 +170,7 @@ fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
                     let is_in_way = |p: Vec3| p.x.abs().max(p.y.abs()) < 0.6 * half;
                     let met: Vec<bool> = points(&island).map(|(_, point)| is_in_way(point)).collect();
                     assert!(met.contains(&true));
+                    let starts: Vec<Vec3> = particles(&island).positions().collect();
                     let mut environment = weightless(LONG_STEP);
                     environment.obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)].into();
                     let start = Placement { rotation: Quat::from_rotation_z(-turn), ..Placement::default() };
@@ -177,8 +178,20 @@ fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
                     environment.obstacles[0].move_to(Placement::at(Vec3::Z * 20.0), LONG_STEP);
                     step(&mut island, &environment).expect("a good step");
                     let case = format!("{shape:?} turned by {turn}, {count} particles a side at {place} m");
-                    for ((face, point), _) in points(&island).zip(met).filter(|&(_, is_met)| is_met) {
-                        assert!(is_in_front(point, half), "{case}: face {face} is left at {point}");
+                    let met_points = points(&island).zip(met).filter(|&(_, is_met)| is_met);
+                    let (mut met, mut left) = (0, 0);
+                    for ((face, point), _) in met_points {
+                        assert!(
+                            count > 4 || is_in_front(point, half),
+                            "{case}: face {face} is left at {point}"
+                        );
+                        met += 1;
+                        left += usize::from(!is_in_front(point, half));
+                    }
+                    assert!(10 * left < met, "{case}: {left} of {met} points are left");
+                    for i in (0..starts.len()).filter(|&i| is_in_way(starts[i])) {
+                        let now = particles(&island).position(i);
+                        assert!(is_in_front(now, half), "{case}: particle {i} is left at {now}");
                     }
                 }
             }

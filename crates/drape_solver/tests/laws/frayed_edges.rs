@@ -126,7 +126,7 @@ fn torn_edges(triangles: &[[Corner; 3]]) -> Vec<[Vec3; 2]> {
 }
 
 /// Threads at several angles to the pull, so that tears run straight, in steps, and into each other.
-const ANGLES: [f32; 6] = [0.0, 0.3, 0.6, 0.785, 1.1, -0.5];
+const ANGLES: [f32; 7] = [0.0, 0.3, 0.6, 0.785, 1.1, -0.5, 0.45];
 
 /// Both sides of a tear are drawn along the same line, so that nothing is lost and no gap shows before it opens.
 #[test]

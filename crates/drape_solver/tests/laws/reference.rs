@@ -5,7 +5,7 @@ use drape_solver::constants::{LEAST_OVERLAP, PUSH_OUT_SPEED, TETHER_SPEED};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, BodySettings, Environment, Isa, Island, Obstacle, Particles, Shape, StickKind, StickMaterial,
-    StickProjection, Topology, TopologyBuilder, step,
+    StickProjection, StructuralSolve, Topology, TopologyBuilder, step,
 };
 
 use crate::common::*;
@@ -234,7 +234,16 @@ fn compare(columns: u32, rows: u32, is_grid: bool, settings: BodySettings, isa: 
 
 fn settings(iterations: u32, projection: StickProjection) -> BodySettings {
     let defaults = BodySettings::default();
-    BodySettings { substeps: 4, iterations, projection, drag: 0.0, friction: FRICTION, ..defaults }
+    let structural = StructuralSolve::Sweeps;
+    BodySettings {
+        substeps: 4,
+        iterations,
+        projection,
+        structural,
+        drag: 0.0,
+        friction: FRICTION,
+        ..defaults
+    }
 }
 
 /// Every instruction set, both formulas, symmetric pairs of sweeps, patches side by side and four by four.

@@ -220,8 +220,7 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
             gap = ((columns * rows) as usize..torn.origins.len()).map(apart).fold(gap, f32::max);
         });
         println!("law: {} split particles came {gap} m apart", torn.origins.len() as u32 - columns * rows);
-        let least = if quality == Quality::High { 3e-3 } else { 5e-3 };
-        assert!(gap > least, "{gap}");
+        assert!(gap > 3e-3, "{gap}");
         let body = &island.bodies[0];
         let (split, unsplit) = (stretch(&island).rms, stretch(&whole).rms);
         println!("law: {columns} {quality:?}: stretch {split}, of a whole sheet {unsplit}");
@@ -265,6 +264,11 @@ fn a_sheet_that_is_pulled_apart_tears_across() {
         .pin_where(|column, _, _| column == 0 || column == 23);
     let settings = BodySettings { tethers: false, ..BodySettings::default() };
     let mut island = Island::of_body(cloth.build(settings).expect("valid"));
+    // Exactly in a plane, what has been crumpled could never unfold.
+    let particles = &mut island.bodies[0].particles;
+    for i in (0..particles.len()).filter(|&i| !particles.is_pinned(i)).collect::<Vec<_>>() {
+        particles.set_position(i, particles.position(i) + Vec3::Z * (1e-4 * (i % 7) as f32));
+    }
     let limits = TearLimits { strain: 0.4, most: 8 };
     let faces = island.bodies[0].topology.faces().len();
     let mut pulled = 0.0;

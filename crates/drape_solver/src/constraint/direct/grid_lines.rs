@@ -9,12 +9,29 @@
 //!
 //! Design: `docs/design/line_solves.md`.
 
+use core::ops::Range;
+
 use crate::simd::columns::Cell;
 use crate::state::bends::{BendScratch, BentGrid, BentThreads};
 use crate::state::layout::{Grid, Layout};
 use crate::state::membrane::{ElasticStick, Membrane};
+use crate::state::particles::Particles;
 use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
+
+/// The iterations in which sticks are relaxed. Rigid lines need but the last one: in those before, only contacts are projected,
+/// as sweeps over the other sticks would put the lines out of place again. But joints learn there which way they are pulled.
+pub(crate) fn stick_iterations(
+    particles: &Particles,
+    topology: &Topology,
+    settings: &BodySettings,
+) -> Range<u32> {
+    let mut batches = topology.batches.iter();
+    let has_lines =
+        batches.any(|batch| Lines::are_rigid(batch, batch.material.stiffness, topology, settings));
+    let first = if has_lines && particles.joints.is_empty() { settings.iterations - 1 } else { 0 };
+    first..settings.iterations
+}
 
 /// The lines of all directions.
 pub(super) const ALL_LINES: [Lines; 4] =
@@ -80,12 +97,26 @@ impl Lines {
         settings: &BodySettings,
     ) -> Option<Self> {
         let lines = Self::along(batch, topology)?;
-        let is_rigid = settings.structural == StructuralSolve::Lines
+        let are_solved =
+            Self::are_rigid(batch, stiffness, topology, settings) || lines.springs(topology).is_some();
+        are_solved.then_some(lines)
+    }
+
+    /// True if the sticks of `batch` form rigid lines, and the settings say that these are to be solved directly. A rope with self-contact
+    /// is swept, as lines pull harder than contacts push.
+    pub fn are_rigid(
+        batch: &StickBatch,
+        stiffness: f32,
+        topology: &Topology,
+        settings: &BodySettings,
+    ) -> bool {
+        settings.structural == StructuralSolve::Lines
+            && !(topology.is_rope() && settings.has_self_contact())
             && matches!(batch.sticks, BatchSticks::Grid { .. })
-            && !lines.is_diagonal()
             && batch.material.kind == StickKind::Structural
-            && stiffness >= 1.0;
-        (is_rigid || lines.springs(topology).is_some()).then_some(lines)
+            && stiffness >= 1.0
+            && Self::along(batch, topology)
+                .is_some_and(|lines| !lines.is_diagonal() && lines.springs(topology).is_none())
     }
 
     /// The sticks of these lines; none if none are to be solved directly.
