@@ -16,6 +16,9 @@ use drape_solver::{
 /// Standard gravity of the tests in m/s^2.
 pub const G: f32 = 9.81;
 
+/// Both solvers of structural sticks.
+pub const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
+
 /// A frame of a 60 Hz game in seconds.
 pub const FRAME: f32 = 1.0 / 60.0;
 

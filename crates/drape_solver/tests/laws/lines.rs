@@ -9,8 +9,6 @@ use drape_solver::{
 
 use crate::common::*;
 
-const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
-
 /// Default settings with line solves, `substeps` and `iterations`, and without drag.
 fn lines(substeps: u32, iterations: u32) -> BodySettings {
     let structural = StructuralSolve::Lines;

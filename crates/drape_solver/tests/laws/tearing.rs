@@ -4,7 +4,7 @@ use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
     Body, BodySettings, ClothBuilder, Edge, Isa, Island, Obstacle, Quality, RopeBuilder, StateHasher,
-    TearLimits, Torn, step,
+    StructuralSolve, TearLimits, Torn, step,
 };
 
 use crate::common::*;
@@ -220,7 +220,9 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
             gap = ((columns * rows) as usize..torn.origins.len()).map(apart).fold(gap, f32::max);
         });
         println!("law: {} split particles came {gap} m apart", torn.origins.len() as u32 - columns * rows);
-        assert!(gap > 3e-3, "{gap}");
+        let has_lines = BodySettings::from(quality).structural == StructuralSolve::Lines;
+        let least = if has_lines { 3e-3 } else { 5e-3 };
+        assert!(gap > least, "{gap}");
         let body = &island.bodies[0];
         let (split, unsplit) = (stretch(&island).rms, stretch(&whole).rms);
         println!("law: {columns} {quality:?}: stretch {split}, of a whole sheet {unsplit}");
