@@ -87,8 +87,8 @@ pub(crate) const OVERSTRETCHED_STICK: f32 = 0.1;
 /// trembles.
 pub(crate) const EASING: f32 = 200.0;
 
-/// Substeps up to which rigid columns are solved once more after the rows, which halves what the rows leave. With 64 substeps hanging
-/// grids of 9 x 9 to 12 x 12 gain energy by it.
+/// Substeps up to which rigid columns are solved once more after the rows, which leaves the less stretch the fewer there are. With 64
+/// substeps hanging grids of 9 x 9 to 12 x 12 gain energy by it.
 pub(crate) const MOST_SUBSTEPS_OF_TWO_COLUMNS: u32 = 12;
 
 /// Greatest move of the ends of a stick against each other in a line solve, in rest lengths. The solve treats sticks as

@@ -198,8 +198,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.context.reactions.clear();
     let iterations = island.iterations();
     for (body, plan) in island.bodies.iter_mut().zip(&mut island.context.plans) {
-        let is_near_mover = begin::is_near_mover(body, environment);
-        begin::begin_step(body, plan, island.context.order, h, substeps, iterations, is_near_mover);
+        let structural = begin::structural_solve(body, environment);
+        begin::begin_step(body, plan, island.context.order, h, substeps, iterations, structural);
         thread_friction::follow(body, island.isa);
         bending_friction::follow(body, island.isa);
     }

@@ -44,6 +44,7 @@ pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
             core::f32::consts::PI * (across * across).min(2.0 * across)
         };
         let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
+        // Cloth with lines that is swept near a rigid body relaxes more often than this, and errs on the safe side.
         let relaxations = stick_iterations(&body.particles, &body.topology, &body.settings).len();
         let ratio = mass / (patch * (relaxations + 1) as f32);
         wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());

@@ -38,10 +38,11 @@ pub enum StructuralSolve {
     /// time; in equal time by a tenth of what sweeps leave.
     ///
     /// Takes effect if structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from 9 x 9
-    /// particles, or 33 in a rope without self-contact. Other sticks are still swept. Sticks and lines are relaxed once a substep, in the
-    /// last iteration; those before only project contacts, unless joints hold the body. The gain grows with the substeps: with
-    /// fewer than 8 the shear and bend sticks undo much of the lines' work. With more than one iteration, cloth is swept while an obstacle
-    /// with a [`RigidBody`](crate::RigidBody) is near. Torn cloth keeps its lines, with gaps. A line with a stick that is stretched by more than 10 % gives way.
+    /// particles, or 33 in a rope without self-contact. Other sticks are still swept. Sticks and lines are relaxed once a
+    /// substep, in the last iteration; those before only project contacts, unless joints hold the body. The gain grows with the
+    /// substeps: with fewer than 8 the shear and bend sticks undo much of the lines' work. With more than one iteration, cloth is
+    /// swept while an obstacle with a [`RigidBody`](crate::RigidBody) is near, and stretches accordingly. Torn cloth keeps its lines, with gaps. A line with
+    /// a stick that is stretched by more than 10 % gives way.
     Lines,
 }
 
@@ -89,7 +90,8 @@ pub struct BodySettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
     /// Relaxation iterations per substep, 1 to 1024: Jakobsen's N. Odd ones run through the sticks in
-    /// reverse, so that an even number makes symmetric pairs.
+    /// reverse, so that an even number makes symmetric pairs. With [lines](StructuralSolve::Lines) only the last one relaxes
+    /// sticks.
     pub iterations: u32,
     /// Strain `|length / rest length - 1|` below which relaxation stops early: once no structural stick of the island
     /// exceeds it. From 0, which never stops early, to 1. It pays from some 8 iterations on: the strain is measured

@@ -24,8 +24,8 @@ pub(crate) fn prepare(body: &mut Body) {
 
 /// Sets everything that stays the same through the substeps of one step, `substep` seconds each.
 ///
-/// `projections` is the number of iterations of the island, and so of the projections of contacts; a mover is an obstacle that contacts
-/// push around.
+/// `projections` is the number of iterations of the island, and so of the projections of contacts. `structural` is how structural
+/// sticks are [solved](structural_solve) in this step.
 pub(crate) fn begin_step(
     body: &mut Body,
     plan: &mut BodyPlan,
@@ -33,10 +33,12 @@ pub(crate) fn begin_step(
     substep: f32,
     substeps: u32,
     projections: u32,
-    is_near_mover: bool,
+    structural: StructuralSolve,
 ) {
-    let structural = structural_solve(body, is_near_mover);
     let Body { particles, topology, settings, context, .. } = body;
+    if [structural, settings.structural].contains(&StructuralSolve::Lines) || topology.has_elastic_lines() {
+        plan.lines.reserve(topology);
+    }
     let settings = BodySettings { structural, ..*settings };
     particles.set_substep(substep);
     context.drag = Drag::new(settings.drag, substep);
@@ -61,9 +63,6 @@ pub(crate) fn begin_step(
     positions.reset(topology.window(), particles.layout.cells());
     let is_damped = context.damping.iter().any(|&damping| damping > 0.0);
     displacements.reset(if is_damped { topology.window() } else { 0 }, particles.layout.cells());
-    if structural == StructuralSolve::Lines || topology.has_elastic_lines() {
-        plan.lines.reserve(topology);
-    }
     let frame = particles.frame.as_ref();
     context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
     particles.pose.drives.set_substep(substep);
@@ -83,17 +82,8 @@ pub(crate) fn begin_step(
     }
 }
 
-/// True if a mover may touch the body in the coming step.
-pub(crate) fn is_near_mover(body: &Body, environment: &Environment) -> bool {
-    let (low, high) = body.particles.bounds();
-    let fall = environment.gravity.length() * environment.dt;
-    let way = (body.particles.greatest_speed() + fall) * environment.dt;
-    let reach = way + body.settings.thickness + CONTACT_MARGIN;
-    environment.obstacles.is_any_near(low - reach, high + reach, |obstacle| obstacle.rigid_body().is_some())
-}
-
-/// How structural sticks are solved in this step.
-fn structural_solve(body: &Body, is_near_mover: bool) -> StructuralSolve {
+/// How the structural sticks of a body are solved in the coming step.
+pub(crate) fn structural_solve(body: &Body, environment: &Environment) -> StructuralSolve {
     let Body { particles, topology, settings, .. } = body;
     if topology.is_rope() {
         // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
@@ -102,7 +92,20 @@ fn structural_solve(body: &Body, is_near_mover: bool) -> StructuralSolve {
     }
     // Lines take the light particles under a mover far into it, which contact then moves out again: a heavy one pushes through. Sweeps in
     // each iteration give it the pull of many.
-    if is_near_mover && settings.iterations > 1 { StructuralSolve::Sweeps } else { settings.structural }
+    let has_iterations = settings.structural == StructuralSolve::Lines && settings.iterations > 1;
+    let is_swept = has_iterations && is_near_mover(body, environment);
+    if is_swept { StructuralSolve::Sweeps } else { settings.structural }
+}
+
+/// True if an obstacle that contacts push around may touch the body in the coming step.
+fn is_near_mover(body: &Body, environment: &Environment) -> bool {
+    let (low, high) = body.particles.bounds();
+    let fall = environment.gravity.length() * environment.dt;
+    let way = (body.particles.greatest_speed() + fall) * environment.dt;
+    let reach = way + body.settings.thickness + CONTACT_MARGIN;
+    environment.obstacles.is_any_near(low - reach, high + reach, |obstacle| {
+        obstacle.rigid_body().is_some() && obstacle.stops(body.layers)
+    })
 }
 
 /// Upper bound in metres on the pull of sticks, pins, limits, backstops and the frame on a particle in the coming step,

@@ -12,7 +12,8 @@ use crate::substep::sweep;
 pub(crate) fn run_stages(body: &mut Body, dt: f32, stages: &[BodyStage]) {
     let (mut plan, order) = (BodyPlan::default(), Order::default());
     prepare(body);
-    begin_step(body, &mut plan, order, dt, 1, 1, false);
+    let structural = body.settings.structural;
+    begin_step(body, &mut plan, order, dt, 1, 1, structural);
     sweep::move_pins(body);
     let all = order.of_body(1).enumerate();
     for (place, _) in all.filter(|(_, (stage, projection))| *projection == 0 && stages.contains(stage)) {

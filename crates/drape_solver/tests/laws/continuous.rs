@@ -204,7 +204,7 @@ fn a_fast_cloth_passes_no_triangles() {
     {
         for count in [31, 4] {
             for speed in [10.0, 40.0, 100.0] {
-                let mut island = sheet_at(count, 1.0, 1.3, StructuralSolve::Sweeps);
+                let mut island = sheet_at(count, 1.0, 1.3, StructuralSolve::default());
                 let body = &mut island.bodies[0].particles;
                 (0..body.len()).for_each(|i| body.set_velocity(i, Vec3::NEG_Z * speed));
                 let mut environment = weightless(FRAME);

@@ -55,7 +55,7 @@ fn balls_that_start_in_one_another_are_parted_gently() {
 /// A ball that starts inside a curtain separates from it slowly.
 #[test]
 fn a_ball_that_starts_in_a_curtain_does_not_shoot_it_away() {
-    let mut island = Island::of_body(curtain(StructuralSolve::Sweeps));
+    let mut island = Island::of_body(curtain(StructuralSolve::default()));
     let material = BallMaterial { radius: 0.15, mass: 2.0, ..BallMaterial::default() };
     island.balls.push(ball(material, Vec3::new(0.01, -0.5, 0.02), Vec3::ZERO));
     let environment = weightless(FRAME);

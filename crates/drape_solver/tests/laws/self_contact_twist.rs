@@ -88,7 +88,7 @@ fn rims_of_a_twisted_ribbon_are_strained_like_helices() {
 fn ropes_twisted_about_each_other_keep_their_thickness() {
     const COUNT: usize = 161;
     let (radius, length, angle) = (0.01_f32, 1.0_f32, 4.0 * TAU as f32);
-    // Lines would pull harder than contacts push: ropes with self-contact are swept instead.
+    // Lines pull harder than contacts push, and would squeeze them: ropes with self-contact are swept all the same.
     let settings = BodySettings { structural: StructuralSolve::Lines, ..settings(radius, SelfContact::On) };
     let rope = |side: f32| {
         let at = Vec3::X * (side * radius);

@@ -67,7 +67,7 @@ fn speed(island: &Island) -> f32 {
 #[test]
 fn a_flag_flutters_in_the_wind_and_not_without() {
     for lift_coefficient in [0.0, 1.0] {
-        let mut island = Island::of_body(flag(StructuralSolve::Sweeps));
+        let mut island = Island::of_body(flag(StructuralSolve::default()));
         let windy = Environment {
             wind: Wind { lift_coefficient, ..Wind::new(Vec3::new(12.0, 0.0, 1.0)) },
             ..gravity(FRAME)
@@ -139,7 +139,7 @@ fn the_energy_of_a_flag_in_still_air_only_falls() {
 fn the_drag_of_a_flag_by_the_speed_of_the_wind() {
     let mut parts = Vec::new();
     for speed in [3.0, 6.0, 12.0, 24.0_f32] {
-        let mut island = Island::of_body(flag(StructuralSolve::Sweeps));
+        let mut island = Island::of_body(flag(StructuralSolve::default()));
         // At a small angle, as wind exactly along the flag would leave it flat.
         let windy = Environment { wind: Wind::new(Vec3::new(1.0, 0.0, 0.08) * speed), ..gravity(FRAME) };
         run(&mut island, &windy, 4.0);

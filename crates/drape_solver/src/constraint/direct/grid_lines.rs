@@ -19,8 +19,8 @@ use crate::state::particles::Particles;
 use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
-/// The iterations in which sticks are relaxed. Rigid lines need but the last one: in those before, only contacts are projected,
-/// as sweeps over the other sticks would put the lines out of place again. But joints learn there which way they are pulled.
+/// The iterations in which sticks are relaxed. With rigid lines that is the last one alone: sweeps over the other sticks in those
+/// before would put the lines out of place again. Joints need them all, to know which way they are pulled (`docs/design/joints.md`).
 pub(crate) fn stick_iterations(
     particles: &Particles,
     topology: &Topology,
