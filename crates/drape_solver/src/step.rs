@@ -179,7 +179,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         substeps = substeps.max(body.settings.substeps);
     }
     for ball in &mut island.balls {
-        let path = (ball.velocity().length() + environment.gravity.length() * dt) * dt;
+        let path = environment.greatest_way(ball.velocity().length());
         let wanted = path / (ball.material.radius * BALL_TRAVEL_PER_SUBSTEP);
         ball.hit_substeps = hit_substeps::of_ball(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
@@ -233,7 +233,7 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
         body.particles.greatest_speed() + (begin::pull(body) + body.particles.drive_way(dt)) / dt
     };
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
-    let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
+    let reach = environment.greatest_way(speed) + CONTACT_MARGIN;
     let IslandContext { contacts, plans, report, reactions, substeps, .. } = context;
     let (isa, search_step) = (*isa, SearchStep { dt, substeps: *substeps, reach });
     let mut all = IslandBodies { bodies, contacts: &mut contacts.bodies, plans };

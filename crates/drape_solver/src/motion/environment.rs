@@ -40,6 +40,11 @@ impl Environment {
         self.wind.validate()?;
         self.wind_zones.iter().try_for_each(WindZone::validate)
     }
+
+    /// Greatest way in metres of something of this speed (m/s) that flies freely through the step.
+    pub(crate) fn greatest_way(&self, speed: f32) -> f32 {
+        (speed + self.gravity.length() * self.dt) * self.dt
+    }
 }
 
 impl Default for Environment {

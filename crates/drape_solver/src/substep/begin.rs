@@ -100,8 +100,7 @@ pub(crate) fn structural_solve(body: &Body, environment: &Environment) -> Struct
 /// True if an obstacle that contacts push around may touch the body in the coming step.
 fn is_near_mover(body: &Body, environment: &Environment) -> bool {
     let (low, high) = body.particles.bounds();
-    let fall = environment.gravity.length() * environment.dt;
-    let way = (body.particles.greatest_speed() + fall) * environment.dt;
+    let way = environment.greatest_way(body.particles.greatest_speed());
     let reach = way + body.settings.thickness + CONTACT_MARGIN;
     environment.obstacles.is_any_near(low - reach, high + reach, |obstacle| {
         obstacle.rigid_body().is_some() && obstacle.stops(body.layers)

@@ -146,6 +146,16 @@ pub fn stretch(island: &Island) -> measure::Stretch {
     measure::stretch(&island.bodies[0].particles, &island.bodies[0].topology)
 }
 
+/// Mean stretch of the island's first body, which falls for so many seconds.
+pub fn stretch_in_motion(island: &mut Island, seconds: f32) -> f64 {
+    let (mut sum, mut steps) = (0.0, 0);
+    run_with(island, &gravity(FRAME), seconds, |island, _| {
+        sum += stretch(island).rms;
+        steps += 1;
+    });
+    sum / f64::from(steps)
+}
+
 /// Linear momentum of all bodies and balls in kg m/s.
 pub fn momentum(island: &Island) -> DVec3 {
     let bodies: DVec3 = island.bodies.iter().map(|body| measure::momentum(&body.particles)).sum();

@@ -27,10 +27,7 @@ fn a_swinging_rope_stretches_far_less_than_with_sweeps() {
         let motion = BOTH.map(|structural| {
             let settings = BodySettings { structural, tethers, ..lines(8, 1) };
             let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 2.0, 64).pin_start().build(settings);
-            let mut island = Island::of_body(rope.expect("valid"));
-            let mut sum = 0.0;
-            run_with(&mut island, &gravity(FRAME), 3.0, |island, _| sum += stretch(island).rms);
-            sum
+            stretch_in_motion(&mut Island::of_body(rope.expect("valid")), 3.0)
         });
         assert!(motion[1] < 0.05 * motion[0], "tethers {tethers}: {motion:?}");
     }
@@ -477,28 +474,24 @@ fn a_tolerance_leaves_lines_as_they_are() {
     assert_eq!(after_half_a_second(0.05), after_half_a_second(0.0));
 }
 
-/// The mean stretch in motion of a falling sheet with `n` particles to a side, held by two corners.
-fn stretch_in_motion(n: u32, settings: BodySettings) -> f64 {
-    let sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z).material(stiff());
-    let mut island = Island::of_body(sheet.pin(0).pin(n - 1).build(settings).expect("valid"));
-    let mut sum = 0.0;
-    run_with(&mut island, &gravity(FRAME), 2.0, |island, _| sum += stretch(island).rms);
-    sum / 120.0
+/// The stretch in motion of a falling sheet with `n` particles to a side, held by two corners.
+fn stretch_of_sheet(n: u32, settings: BodySettings) -> f64 {
+    stretch_in_motion(&mut level_sheet(n, true, stiff(), settings, false), 2.0)
 }
 
 /// Iterations before that of the lines once swept the other sticks, which put the lines out of place again.
 #[test]
 fn iterations_do_not_stretch_what_touches_nothing() {
-    let motion = [2, 4, 8].map(|iterations| stretch_in_motion(33, lines(12, iterations)));
+    let motion = [2, 4, 8].map(|iterations| stretch_of_sheet(33, lines(12, iterations)));
     assert_eq!(motion, [motion[0]; 3]);
-    let one = stretch_in_motion(33, lines(12, 1));
+    let one = stretch_of_sheet(33, lines(12, 1));
     assert!(motion[0] < 1.5 * one, "{} with more iterations, {one} with one", motion[0]);
 }
 
 /// Up to 12 substeps columns are solved once more after the rows.
 #[test]
 fn a_second_solve_of_columns_takes_much_of_what_the_rows_leave() {
-    let [with, without] = [12, 13].map(|substeps| stretch_in_motion(64, lines(substeps, 1)));
+    let [with, without] = [12, 13].map(|substeps| stretch_of_sheet(64, lines(substeps, 1)));
     println!("law: stretch in motion {with} with 12 substeps, {without} with 13");
     assert!(with < 0.8 * without, "{with} with 12 substeps, {without} with 13");
 }
