@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.7, 1.7, 3.5),
     target: Vec3::new(0.0, 1.45, 0.0),
-    picture_time: 2.5,
+    picture_time: 4.0,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, lay);
     },

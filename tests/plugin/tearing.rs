@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::attach::Grab;
-use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::body::{Activity, Sticks, StructuralSolve};
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape::ray_cast::cast_ray;
@@ -178,6 +178,28 @@ fn a_cannon_ball_tears_what_is_tearable() {
         let faces: usize =
             app.world_mut().query::<&Sticks>().iter(app.world()).map(|sticks| sticks.faces().len()).sum();
         assert!(faces <= 2 * 32 * 32 && (vanished > 0 || faces == 2 * 32 * 32));
+    }
+}
+
+/// Lines leave no strain to tear by: under them a default curtain caught a ball that tore it before.
+#[test]
+fn what_may_tear_is_swept_if_there_are_iterations_for_it() {
+    let fallen = |structural, iterations, is_tearable| -> Vec<Vec3> {
+        let mut app = app();
+        let settings = SolverSettings { structural, iterations, ..default() };
+        let curtain = app.world_mut().spawn((curtain(), settings)).id();
+        if is_tearable {
+            app.world_mut().entity_mut(curtain).insert(Tearable::default());
+        }
+        step(&mut app, 30);
+        get::<Particles>(&app, curtain).positions().collect()
+    };
+    for (iterations, is_swept) in [(2, true), (1, false)] {
+        let [lines, sweeps] = [StructuralSolve::Lines, StructuralSolve::Sweeps]
+            .map(|structural| fallen(structural, iterations, false));
+        assert_ne!(lines, sweeps);
+        let expected = if is_swept { sweeps } else { lines };
+        assert_eq!(fallen(StructuralSolve::Lines, iterations, true), expected, "{iterations} iterations");
     }
 }
 

@@ -19,14 +19,11 @@ use crate::attach::world_motion::{TeleportCloth, WorldMotion};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::contact_events::ContactEvents;
-use crate::body::defaults::Defaults;
-use crate::body::fabric::Fabric;
+use crate::body::defaults::{Defaults, Described};
 use crate::body::layers::DrapeLayers;
 use crate::body::on_gpu::OnGpu;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::pressure::Pressure;
-use crate::body::settings::SolverSettings;
-use crate::body::surface::BodySurface;
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::rope::Rope;
@@ -71,7 +68,7 @@ components_of_processor! {
 pub(crate) fn move_to_gpu(
     mut commands: Commands,
     waiting: Query<
-        (Entity, EntityRef, &Particles, &Sticks),
+        (Entity, EntityRef, Described, &Particles, &Sticks),
         (With<SolveOnGpu>, Or<(Changed<SolveOnGpu>, Changed<Sticks>)>, Without<IsResource>),
     >,
     obstacles: Query<Entity, With<Obstacle>>,
@@ -90,7 +87,7 @@ pub(crate) fn move_to_gpu(
         // Those far from all other bodies were left where they were.
         changes.recheck.extend(&obstacles);
     }
-    for (entity, components, particles, sticks) in &waiting {
+    for (entity, components, described, particles, sticks) in &waiting {
         if components.contains::<GpuBody>() {
             // The body was built anew.
             commands.entity(entity).remove::<OnGpu>();
@@ -122,11 +119,7 @@ pub(crate) fn move_to_gpu(
                 "a DrivenMesh follows it".to_string()
             }
             None => {
-                let settings = defaults.of_body(
-                    components.get::<SolverSettings>(),
-                    components.get::<Fabric>(),
-                    components.get::<BodySurface>(),
-                );
+                let settings = defaults.of_body(described);
                 let layers = DrapeLayers::of(components.get::<DrapeLayers>());
                 let body = Body::new(particles.0.clone(), Arc::clone(&sticks.0), settings);
                 let body = Body { layers, ..body };

@@ -15,12 +15,9 @@ use drape_solver::world::waking::{Proxy, Waking, is_roused};
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
-use crate::body::defaults::Defaults;
-use crate::body::fabric::Fabric;
+use crate::body::defaults::{Defaults, Described};
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-use crate::body::settings::SolverSettings;
-use crate::body::surface::BodySurface;
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
 use crate::environment::solver_environment::SolverEnvironment;
@@ -55,7 +52,7 @@ pub(crate) struct WakeTargets<'w, 's> {
             &'static mut Particles,
             Ref<'static, Sticks>,
             &'static mut BodyState,
-            (Option<&'static SolverSettings>, Option<&'static Fabric>, Option<&'static BodySurface>),
+            Described,
             Option<&'static DrapeLayers>,
             Option<&'static CurrentDetail>,
         ),
@@ -147,20 +144,13 @@ impl WakeSearch {
         let (dt, gravity) = targets.step_and_gravity();
         let WakeTargets { bodies, solver, .. } = targets;
         for &entity in candidates {
-            let Ok((
-                mut activity,
-                mut particles,
-                sticks,
-                mut state,
-                (settings, fabric, surface),
-                layers,
-                detail,
-            )) = bodies.get_mut(entity)
+            let Ok((mut activity, mut particles, sticks, mut state, described, layers, detail)) =
+                bodies.get_mut(entity)
             else {
                 continue;
             };
             let state = &mut *state;
-            let settings = defaults.of_body(settings, fabric, surface);
+            let settings = defaults.of_body(described);
             let settings = detail.map_or(settings, |detail| detail.limit(settings));
             let edited = particles.is_disturbed();
             if state.order == 0 {

@@ -14,6 +14,7 @@ use std::sync::OnceLock;
 use bevy::asset::AssetPlugin;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
+use bevy_drape::body::{DefaultSolverSettings, StructuralSolve};
 use bevy_drape::gpu::drape_gpu::Gpu;
 use bevy_drape::gpu::{GpuBodies, GpuBody, SolveOnGpu};
 use bevy_drape::prelude::*;
@@ -33,8 +34,14 @@ fn app_without_device() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin))
         .add_plugins(DrapePlugins::default());
+    app.insert_resource(DefaultSolverSettings(swept()));
     start(&mut app);
     app
+}
+
+/// The default settings, but for lines, which the GPU sweeps: tests compare it with the processor.
+fn swept() -> SolverSettings {
+    SolverSettings { structural: StructuralSolve::Sweeps, ..default() }
 }
 
 /// So many frames of one step each.

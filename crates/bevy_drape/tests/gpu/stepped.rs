@@ -41,7 +41,7 @@ fn gravity_and_wind_act() {
 fn settings_and_fabrics_are_those_of_the_components() {
     let mut app = app();
     let parts = || {
-        let settings = SolverSettings { substeps: 5, iterations: 1, ..default() };
+        let settings = SolverSettings { substeps: 5, iterations: 1, ..swept() };
         let surface = BodySurface { drag: 3.0, ..default() };
         (
             swinging(),

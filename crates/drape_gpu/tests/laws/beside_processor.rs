@@ -37,7 +37,7 @@ fn the_first_steps_are_those_of_the_processor() {
     for environment in [tilted, windy, gusty] {
         for (columns, rows) in [(16, 16), (30, 30), (70, 60), (33, 200)] {
             for iterations in [1, 2, 3] {
-                let settings = BodySettings { iterations, ..BodySettings::default() };
+                let settings = BodySettings { iterations, ..swept() };
                 let cloth = ClothBuilder::new(1.0, 1.0, columns, rows).pin_edge(Edge::Top);
                 let body = cloth.build(settings).expect("valid");
                 let (mut world, id) = world_of(&body);
@@ -64,8 +64,8 @@ fn storms_and_leaps_begin_as_on_the_processor() {
     };
     for n in [14, 40] {
         let cloth = || ClothBuilder::new(1.0, 1.0, n, n).material(thin).pin_edge(Edge::Left);
-        let blown = cloth().build(BodySettings::default()).expect("valid");
-        let mut torn = cloth().build(BodySettings::default()).expect("valid");
+        let blown = cloth().build(swept()).expect("valid");
+        let mut torn = cloth().build(swept()).expect("valid");
         torn.particles.set_position(2 * n as usize - 1, Vec3::new(4.0, 0.0, 1.0));
         for (body, environment) in [(blown, &storm), (torn, &gravity())] {
             let (mut world, id) = world_of(&body);
@@ -87,10 +87,7 @@ fn batches_move_a_grid_as_tiles_do() {
     let gpu = limited(|limits| limits.max_compute_workgroup_storage_size = 16_384).expect("a device");
     let environment = Environment { gravity: Vec3::new(3.0, -9.81, 2.0), ..gravity() };
     for n in [16, 27, 40] {
-        let body = ClothBuilder::new(1.0, 1.0, n, n)
-            .pin_edge(Edge::Top)
-            .build(BodySettings::default())
-            .expect("valid");
+        let body = ClothBuilder::new(1.0, 1.0, n, n).pin_edge(Edge::Top).build(swept()).expect("valid");
         let mut world = GpuWorld::new(&gpu);
         let id = world.add(&body).expect("a body");
         let (mut tiled, other) = world_of(&body);
@@ -107,7 +104,7 @@ fn batches_move_a_grid_as_tiles_do() {
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn after_six_hundred_steps_figures_are_those_of_the_processor() {
-    let settings = BodySettings::default();
+    let settings = swept();
     let sheet = |n| ClothBuilder::new(1.0, 1.0, n, n).pin(0).pin(n - 1).build(settings).expect("valid");
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), 64)
         .pin_start()

@@ -6,7 +6,7 @@ use drape_gpu::{BodyVertices, Gpu, GpuBodyId, GpuError, GpuWorld, SurfaceWriter,
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Body, BodySettings, ClothBuilder, Environment, Obstacle, Particles, Placement, Shape, StickKind,
-    StickMaterial, TopologyBuilder,
+    StickMaterial, StructuralSolve, TopologyBuilder,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -51,6 +51,11 @@ pub fn bare() -> BodySettings {
         tethers: false,
         ..BodySettings::default()
     }
+}
+
+/// The default settings, but for lines, which the GPU sweeps: for tests that compare it with the processor.
+pub fn swept() -> BodySettings {
+    BodySettings { structural: StructuralSolve::Sweeps, ..BodySettings::default() }
 }
 
 /// Gravity and nothing else, in frames.

@@ -136,9 +136,9 @@ fn an_overlap_at_the_start_throws_nothing() {
     for n in [16, 40] {
         let ball = obstacle(Shape::Sphere { radius: 0.3 }, Vec3::new(0.5, 0.02, 0.5), 0.5);
         let environment = Environment { gravity: Vec3::ZERO, obstacles: vec![ball].into(), ..gravity() };
-        let (mut world, id) = world_of(&level(n, Vec3::ZERO, BodySettings::default()));
+        let (mut world, id) = world_of(&level(n, Vec3::ZERO, swept()));
         let [mut fastest, mut on_processor] = [0.0_f32; 2];
-        let mut island = Island::of_body(level(n, Vec3::ZERO, BodySettings::default()));
+        let mut island = Island::of_body(level(n, Vec3::ZERO, swept()));
         for _ in 0..60 {
             step(&mut island, &environment).expect("a good step");
             on_processor =

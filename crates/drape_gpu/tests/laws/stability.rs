@@ -86,7 +86,7 @@ fn no_settings_gain_energy() {
         for (substeps, iterations) in [(1, 1), (1, 8), (2, 3), (4, 1), (8, 2), (16, 1)] {
             for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
                 for tethers in [false, true] {
-                    let base = BodySettings { substeps, iterations, projection, ..BodySettings::default() };
+                    let base = BodySettings { substeps, iterations, projection, ..swept() };
                     let settings = BodySettings { tethers, drag: 0.0, ..base };
                     sheets.push(Sheet::new(&mut world, n, settings));
                 }

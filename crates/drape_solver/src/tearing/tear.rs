@@ -31,6 +31,7 @@ use crate::tearing::split::Cracks;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TearLimits {
     /// The strain of a structural stick beyond which it tears: 0.5 means half as long again as at rest. Above 0.
+    /// [Lines](crate::StructuralSolve::Lines) leave next to no strain: sweep what is to tear.
     pub strain: f32,
     /// The greatest number of particles to split in one call. The most stretched sticks come first; the others wait for the
     /// next call.
