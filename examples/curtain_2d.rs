@@ -6,6 +6,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::attach::PlaneLock;
+use bevy_drape::body::StructuralSolve;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 
@@ -34,7 +35,8 @@ fn setup(mut commands: Commands) {
     // Nothing but the sticks to the left and up.
     let curtain = Cloth::new(1.6, 1.2).with_particles(33, 25);
     let fabric = Fabric { shear_stiffness: 0.0, bend_stiffness: 0.0, ..default() };
-    let passes = SolverSettings { substeps: 1, iterations: 5, ..default() };
+    let passes =
+        SolverSettings { substeps: 1, iterations: 5, structural: StructuralSolve::Sweeps, ..default() };
     let place = Transform::from_xyz(0.0, 1.4, 0.0);
     commands.spawn((curtain, fabric, passes, PlaneLock::default(), Paint::rgb(0.25, 0.45, 0.70), place));
     // Its middle is in the plane: what it pushes stays there.

@@ -85,8 +85,8 @@ fn a_winch_pays_out_and_reels_in_at_its_speed_between_its_bounds() {
 /// All of a step's length was taken in its first substep: a load was thrown up at the winch's speed times the number of substeps, and links folded.
 #[test]
 fn a_winch_does_not_throw_its_load() {
-    let sweeps = SolverSettings::default();
-    let lines = SolverSettings { structural: StructuralSolve::Lines, ..sweeps };
+    let lines = SolverSettings::default();
+    let sweeps = SolverSettings { structural: StructuralSolve::Sweeps, ..lines };
     let touching = SolverSettings { self_contact: SelfContact::On, ..sweeps };
     // Sticks of short ropes are listed, those of longer ones lie in rows.
     let cases = [

@@ -181,7 +181,7 @@ fn a_cannon_ball_tears_what_is_tearable() {
     }
 }
 
-/// Lines leave no strain to tear by: under them a default curtain caught a ball that tore it before.
+/// Lines leave no strain to tear by.
 #[test]
 fn what_may_tear_is_swept_if_there_are_iterations_for_it() {
     let fallen = |structural, iterations, is_tearable| -> Vec<Vec3> {

@@ -75,6 +75,18 @@ fn a_change_of_settings_wakes() {
     assert_wakes(&mut app, curtain);
 }
 
+/// It changes how the body is solved.
+#[test]
+fn to_become_tearable_and_to_be_so_no_longer_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    app.world_mut().entity_mut(curtain).insert(Tearable::default());
+    assert_wakes(&mut app, curtain);
+    settle(&mut app, curtain);
+    step(&mut app, 10);
+    app.world_mut().entity_mut(curtain).remove::<Tearable>();
+    assert_wakes(&mut app, curtain);
+}
+
 #[test]
 fn a_change_of_the_default_settings_wakes_bodies_without_their_own() {
     let (mut app, curtain) = sleeping_curtain();

@@ -22,14 +22,16 @@ use crate::body::surface::BodySurface;
 pub struct SolverSettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
-    /// Relaxation iterations per substep, 1 to 1024: Jakobsen's N.
+    /// Relaxation iterations per substep, 1 to 1024: Jakobsen's N. With [lines](StructuralSolve::Lines) only the last one
+    /// relaxes sticks.
     pub iterations: u32,
     /// Strain `|length / rest length - 1|` below which relaxation stops early, from 0 (never) to 1. It pays from some 8
-    /// iterations on ([`BodySettings::tolerance`]).
+    /// iterations on ([`BodySettings::tolerance`]). A body with lines takes all iterations.
     pub tolerance: f32,
     /// The formula for sticks.
     pub projection: StickProjection,
-    /// The solver of structural sticks.
+    /// The solver of structural sticks. With more than one iteration, a body with
+    /// [`Tearable`](crate::body::tearable::Tearable) is swept whatever it says here.
     pub structural: StructuralSolve,
     /// True if tethers hold particles within their rest distance from the pins.
     pub tethers: bool,

@@ -35,8 +35,8 @@ pub struct Tearable {
     /// Strain beyond which a structural stick tears, above 0; 0.5, the default, is one and a half times the rest
     /// length. Even rigid sticks stretch under more load than the substeps can carry.
     ///
-    /// With more than one iteration, the body is [swept](crate::body::StructuralSolve::Sweeps): lines leave next to no
-    /// strain, and so no tears.
+    /// With more than one iteration, the body is [swept](crate::body::StructuralSolve::Sweeps), as lines leave next to no
+    /// strain. With one, as in `Quality::High`, lines stay and little tears: choose sweeps.
     pub strain: f32,
     /// The most particles that are split in one step; 16 by default. It limits the speed of a tear.
     pub most_at_once: u32,

@@ -11,7 +11,7 @@ use drape_gpu::{BodyMesh, GpuBodyId};
 /// A body on the GPU has a [`GpuBody`], and neither [`Particles`](crate::body::particles::Particles) nor
 /// [`Sticks`](crate::body::particles::Sticks): queries for these, ray casts, pointers, gizmos, snapshots and messages about contacts do not know it.
 /// Obstacles, gravity, wind, and pins that follow the entity's [`Transform`] act on it as on other bodies; balls, other bodies, wind zones, shelter and
-/// forces do not, sticks are not damped, and it pushes nothing. Its settings, surface and layers are those from when it went there. If its pins jump
+/// forces do not, sticks are not damped, lines are swept, and it pushes nothing. Its settings, surface and layers are those from when it went there. If its pins jump
 /// with the entity, faster than [`TELEPORT_SPEED`](drape_solver::constants::TELEPORT_SPEED), it begins again at the new place. A disabled body is
 /// solved on.
 ///

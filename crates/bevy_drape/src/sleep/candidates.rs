@@ -15,6 +15,7 @@ use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
+use crate::body::tearable::Tearable;
 use crate::change_detection::{collect_rows, is_any_changed};
 use crate::environment::solver_environment::SolverEnvironment;
 
@@ -23,7 +24,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 pub(crate) struct Candidates {
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// Entities that lost their own settings, surface, fabric or layers since the last step, or were enabled.
+    /// Entities that lost their own settings, surface, fabric, layers or `Tearable` since the last step, or were enabled.
     lost: Vec<Entity>,
     /// Boxes of bodies and balls that vanished since the last step.
     pub left: Vec<Bounds>,
@@ -41,6 +42,7 @@ pub(crate) fn collect_candidates(
         Option<Ref<Fabric>>,
         Option<Ref<BodySurface>>,
         Option<Ref<DrapeLayers>>,
+        Option<Ref<Tearable>>,
     )>,
     balls: Query<(Entity, Ref<Activity>, Ref<ProjectileState>, Option<Ref<DrapeLayers>>), Without<Particles>>,
     defaults: Defaults,
@@ -50,7 +52,7 @@ pub(crate) fn collect_candidates(
     let Candidates { bodies: bodies_seen, balls: balls_seen, lost, .. } = &mut *candidates;
     let is_all_concerned = defaults.is_changed() || solver.changed;
     bodies_seen.clear();
-    for (entities, activities, particles, sticks, settings, fabrics, surfaces, layers) in
+    for (entities, activities, particles, sticks, settings, fabrics, surfaces, layers, tearable) in
         bodies.contiguous_iter().into_iter().flatten()
     {
         let (activities, activity_ticks) = ContiguousRef::split(activities);
@@ -59,6 +61,7 @@ pub(crate) fn collect_candidates(
         let setting_ticks = settings.map(|settings| ContiguousRef::split(settings).1);
         let fabric_ticks = fabrics.map(|fabrics| ContiguousRef::split(fabrics).1);
         let surface_ticks = surfaces.map(|surfaces| ContiguousRef::split(surfaces).1);
+        let tearable_ticks = tearable.map(|tearable| ContiguousRef::split(tearable).1);
         let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
         let is_any = |rows: Range<usize>| {
             is_all_concerned
@@ -69,6 +72,7 @@ pub(crate) fn collect_candidates(
                 || fabric_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
                 || surface_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
                 || setting_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
+                || tearable_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
                 || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
         };
         collect_rows(entities, is_any, bodies_seen);

@@ -7,6 +7,7 @@ use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
+use crate::body::tearable::Tearable;
 use crate::entity_events::trigger_written;
 use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
 use crate::sleep::activity_counts::{ActivityCounts, count_activity};
@@ -41,6 +42,7 @@ impl Plugin for SleepPlugin {
             .add_observer(note_lost_component::<BodySurface>)
             .add_observer(note_lost_component::<SolverSettings>)
             .add_observer(note_lost_component::<DrapeLayers>)
+            .add_observer(note_lost_component::<Tearable>)
             .add_observer(note_lost_component::<Disabled>)
             .add_systems(
                 DrapeSchedule,

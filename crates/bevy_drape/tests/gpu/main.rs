@@ -39,7 +39,7 @@ fn app_without_device() -> App {
     app
 }
 
-/// The default settings, but for lines, which the GPU sweeps: tests compare it with the processor.
+/// The default settings, but swept, as on the GPU: tests compare it with the processor.
 fn swept() -> SolverSettings {
     SolverSettings { structural: StructuralSolve::Sweeps, ..default() }
 }

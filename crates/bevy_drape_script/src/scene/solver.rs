@@ -15,7 +15,7 @@ pub struct Solver {
     pub quality: Option<Quality>,
     /// Substeps per step, 1 to 256.
     pub substeps: Option<Whole<1, 256>>,
-    /// Relaxation iterations per substep, 1 to 1024.
+    /// Relaxation iterations per substep, 1 to 1024. With lines only the last one relaxes sticks.
     pub iterations: Option<Whole<1, 1024>>,
     /// Strain below which relaxation stops early, 0 (never) to 1.
     pub tolerance: Option<Fraction>,
@@ -54,7 +54,8 @@ pub enum StickProjection {
 pub enum StructuralSolve {
     /// One stick after another.
     Sweeps,
-    /// Rows and columns of a cloth, and ropes, directly as chains.
+    /// Rows and columns of a cloth, and ropes, directly as chains. The plugin's default; what is tearable is swept if there is
+    /// more than one iteration.
     Lines,
 }
 

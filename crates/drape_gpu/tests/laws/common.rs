@@ -53,7 +53,7 @@ pub fn bare() -> BodySettings {
     }
 }
 
-/// The default settings, but for lines, which the GPU sweeps: for tests that compare it with the processor.
+/// The default settings, but swept, as on the GPU: for tests that compare it with the processor.
 pub fn swept() -> BodySettings {
     BodySettings { structural: StructuralSolve::Sweeps, ..BodySettings::default() }
 }

@@ -74,7 +74,7 @@ pub enum SelfContact {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Quality {
-    /// For distant or small bodies: a quarter of the time, but it stretches by a tenth.
+    /// For distant or small bodies: three tenths of the time, seventy times the stretch (12 %).
     Low,
     /// The values of [`BodySettings::default`].
     #[default]

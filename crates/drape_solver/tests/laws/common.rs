@@ -19,6 +19,11 @@ pub const G: f32 = 9.81;
 /// Both solvers of structural sticks.
 pub const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
 
+/// The default settings, but swept.
+pub fn swept() -> BodySettings {
+    BodySettings { structural: StructuralSolve::Sweeps, ..BodySettings::default() }
+}
+
 /// A frame of a 60 Hz game in seconds.
 pub const FRAME: f32 = 1.0 / 60.0;
 

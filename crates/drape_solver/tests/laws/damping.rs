@@ -65,7 +65,7 @@ fn hash_of_cotton(is_dragged: bool, take: impl Fn(&mut Island, &Environment)) ->
         .material(material)
         .pin(0)
         .pin(99)
-        .build(BodySettings { substeps: 4, ..BodySettings::default() })
+        .build(BodySettings { substeps: 4, ..swept() })
         .expect("valid");
     let mut island = Island::of_body(cotton);
     let mut environment = gravity(FRAME);

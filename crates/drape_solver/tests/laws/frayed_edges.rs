@@ -9,6 +9,7 @@ use drape_solver::{
     step,
 };
 
+use crate::common::swept;
 use crate::drawn::place;
 
 /// Particles along a side of a sheet of 1 m x 1 m.
@@ -28,7 +29,7 @@ impl TornSheet {
         let sheet = ClothBuilder::new(1.0, 1.0, SIDE, SIDE)
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_where(|_, _, place| place.dot(pull).abs() > 0.3);
-        let settings = BodySettings { tethers: false, ..BodySettings::default() };
+        let settings = BodySettings { tethers: false, ..swept() };
         let mut island = Island::of_body(sheet.build(settings).expect("valid"));
         let whole = Arc::clone(&island.bodies[0].topology);
         let mut all: Vec<Vec<u32>> = vec![(0..SIDE * SIDE).collect()];

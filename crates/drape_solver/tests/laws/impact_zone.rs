@@ -6,13 +6,13 @@ use drape_solver::{BodySettings, ClothBuilder, Island, Quality};
 use crate::common::*;
 
 /// A sheet of 2 m by 2 m in the XY plane, pinned all round.
-fn sheet(count: u32, quality: Quality) -> Island {
+fn sheet(count: u32, settings: BodySettings) -> Island {
     let last = count - 1;
     let is_rim = move |column: u32, row: u32| column == 0 || row == 0 || column == last || row == last;
     let sheet = ClothBuilder::new(2.0, 2.0, count, count)
         .placed(Vec3::new(-1.0, 1.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_where(move |column, row, _| is_rim(column, row));
-    Island::of_body(sheet.build(BodySettings { drag: 0.0, ..quality.into() }).expect("valid"))
+    Island::of_body(sheet.build(BodySettings { drag: 0.0, ..settings }).expect("valid"))
 }
 
 /// True if the ball's centre is in front (+Z) of the sheet: a straight way from it to the front passes through an even number
@@ -36,13 +36,15 @@ fn is_in_front(island: &Island) -> bool {
 #[test]
 fn no_ball_passes_a_sheet_that_is_pinned_all_round() {
     let shots = [(16, 20.0, 25.0), (32, 2.0, 40.0), (32, 20.0, 25.0), (32, 200.0, 100.0)];
-    let qualities = [Quality::Medium, Quality::High];
-    for (quality, (count, mass, speed)) in qualities.into_iter().flat_map(|q| shots.map(|shot| (q, shot))) {
-        let mut island = sheet(count, quality);
+    let all_settings = [swept(), BodySettings::default(), Quality::High.into()];
+    for (settings, (count, mass, speed)) in
+        all_settings.into_iter().flat_map(|settings| shots.map(|shot| (settings, shot)))
+    {
+        let mut island = sheet(count, settings);
         let start = Vec3::new(0.13, 0.07, 0.3);
         island.balls.push(ball(smooth(0.1, mass), start, Vec3::new(0.1, -0.05, -1.0).normalize() * speed));
         run_with(&mut island, &gravity(FRAME), 1.0, |island, index| {
-            assert!(is_in_front(island), "{quality:?}, {mass} kg at {speed} m/s: behind at step {index}");
+            assert!(is_in_front(island), "{settings:?}, {mass} kg at {speed} m/s: behind at step {index}");
             let now = island.balls[0].velocity().length();
             assert!(now < 1.05 * speed + G, "{now} m/s at step {index}");
         });

@@ -157,7 +157,7 @@ fn a_box_hangs_at_the_end_of_a_rope() {
 #[test]
 fn a_rope_under_a_heavy_box_swings_straight() {
     let along = Quat::from_rotation_z(1.0) * Vec3::NEG_Y;
-    let rope = RopeBuilder::new(Vec3::ZERO, along, 40).pin(0).build(BodySettings::default()).expect("valid");
+    let rope = RopeBuilder::new(Vec3::ZERO, along, 40).pin(0).build(swept()).expect("valid");
     let scene = Scene::new(pinned(rope, 39), gravity(FRAME)).with_box(along, cube(50.0));
     let mut scene = scene.with_joint(39, 0, Vec3::ZERO);
     for index in 0..120 {

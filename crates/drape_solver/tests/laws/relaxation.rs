@@ -95,8 +95,7 @@ fn substeps_are_smaller_steps() {
 #[test]
 fn substeps_buy_more_stiffness_than_iterations() {
     let sheet = |substeps, iterations| {
-        let settings =
-            BodySettings { substeps, iterations, drag: 2.0, tethers: false, ..BodySettings::default() };
+        let settings = BodySettings { substeps, iterations, drag: 2.0, tethers: false, ..swept() };
         let sheet = ClothBuilder::new(1.0, 1.0, 25, 25).pin_edge(Edge::Top).build(settings).expect("valid");
         let mut island = Island::of_body(sheet);
         run(&mut island, &gravity(FRAME), 3.0);

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
-use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island};
+use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, StructuralSolve};
 
 use crate::common::*;
 
@@ -13,12 +13,14 @@ struct Trial {
     iterations: u32,
     tethers: bool,
     violent: bool,
+    structural: StructuralSolve,
 }
 
 /// Energy gained from step 30 to the end of four seconds, as a part of `m g L`, and the greatest gain in between.
 fn gained(trial: &Trial) -> f64 {
-    let &Trial { particles: n, corners, substeps, iterations, tethers, violent } = trial;
-    let settings = BodySettings { substeps, iterations, tethers, drag: 0.0, ..BodySettings::default() };
+    let &Trial { particles: n, corners, substeps, iterations, tethers, violent, structural } = trial;
+    let settings =
+        BodySettings { substeps, iterations, tethers, structural, drag: 0.0, ..BodySettings::default() };
     let mut island = level_sheet(n, corners, ClothMaterial::default(), settings, violent);
     let environment: Environment = gravity(FRAME);
     let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
@@ -34,18 +36,18 @@ fn check(sizes: &[u32]) {
         for corners in [false, true] {
             for (substeps, iterations) in [(1, 1), (1, 2), (4, 1), (4, 2), (16, 1), (16, 2)] {
                 for tethers in [true, false] {
-                    for violent in [false, true] {
-                        let trial = Trial { particles, corners, substeps, iterations, tethers, violent };
+                    for (violent, structural) in
+                        [false, true].into_iter().flat_map(|violent| BOTH.map(|both| (violent, both)))
+                    {
+                        let trial =
+                            Trial { particles, corners, substeps, iterations, tethers, violent, structural };
                         let gain = gained(&trial);
-                        println!(
-                            "{particles} corners {corners} {substeps}x{iterations} tethers {tethers} \
-                             violent {violent}: {gain}"
+                        let what = format!(
+                            "{particles} squared, corners {corners}, {substeps} x {iterations}, tethers {tethers}, \
+                             violent {violent}, {structural:?}"
                         );
-                        assert!(
-                            gain <= 1e-3,
-                            "gained {gain} m g L: {particles} squared, corners {corners}, \
-                             {substeps} x {iterations}, tethers {tethers}, violent {violent}"
-                        );
+                        println!("{what}: {gain}");
+                        assert!(gain <= 1e-3, "gained {gain} m g L: {what}");
                     }
                 }
             }

@@ -175,14 +175,15 @@ fn what_is_cut_off_falls_as_a_free_body() {
 /// No stick and no tether crosses a cut: those that still join the two sides go around its end.
 #[test]
 fn a_cut_opens_and_nothing_holds_its_sides_together() {
-    let qualities = [Quality::Medium, Quality::High];
-    for ((columns, rows), quality) in
-        [(40, 40), (20, 20), (9, 9)].into_iter().flat_map(|size| qualities.map(|quality| (size, quality)))
+    let all_settings = [swept(), BodySettings::default(), Quality::High.into()];
+    for ((columns, rows), settings) in [(40, 40), (20, 20), (9, 9)]
+        .into_iter()
+        .flat_map(|size| all_settings.map(|settings| (size, settings)))
     {
         let mut body = ClothBuilder::new(1.0, 1.0, columns, rows)
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Left)
-            .build(BodySettings { drag: 0.5, ..quality.into() })
+            .build(BodySettings { drag: 0.5, ..settings })
             .expect("valid");
         let mut whole = Island::of_body(body.clone());
         run(&mut whole, &gravity(FRAME), 3.0);
@@ -220,12 +221,11 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
             gap = ((columns * rows) as usize..torn.origins.len()).map(apart).fold(gap, f32::max);
         });
         println!("law: {} split particles came {gap} m apart", torn.origins.len() as u32 - columns * rows);
-        let has_lines = BodySettings::from(quality).structural == StructuralSolve::Lines;
-        let least = if has_lines { 3e-3 } else { 5e-3 };
+        let least = if settings.structural == StructuralSolve::Lines { 3e-3 } else { 5e-3 };
         assert!(gap > least, "{gap}");
         let body = &island.bodies[0];
         let (split, unsplit) = (stretch(&island).rms, stretch(&whole).rms);
-        println!("law: {columns} {quality:?}: stretch {split}, of a whole sheet {unsplit}");
+        println!("law: {columns} {settings:?}: stretch {split}, of a whole sheet {unsplit}");
         assert!(split < 1.5 * unsplit, "stretch {split}, of a whole sheet {unsplit}");
         assert_manifold(body);
     }
@@ -264,7 +264,7 @@ fn a_sheet_that_is_pulled_apart_tears_across() {
     let cloth = ClothBuilder::new(1.0, 1.0, 24, 24)
         .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_where(|column, _, _| column == 0 || column == 23);
-    let settings = BodySettings { tethers: false, ..BodySettings::default() };
+    let settings = BodySettings { tethers: false, ..swept() };
     let mut island = Island::of_body(cloth.build(settings).expect("valid"));
     // Exactly in a plane, what has been crumpled could never unfold.
     let particles = &mut island.bodies[0].particles;
@@ -328,7 +328,7 @@ fn torn_cloth_moves_to_the_same_bits_everywhere() {
         let cloth = ClothBuilder::new(2.0, 2.0, 130, 40)
             .placed(Vec3::new(-1.0, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Top);
-        let mut body = cloth.build(BodySettings::default()).expect("valid");
+        let mut body = cloth.build(swept()).expect("valid");
         cut(&mut body, &blade(Vec3::new(-0.5, 1.3, 0.0), Vec3::new(0.9, 0.9, 0.0))).expect("opens");
         cut(&mut body, &down(0.3)).expect("opens");
         let mut island = Island { isa, ..Island::of_body(body) };
