@@ -228,7 +228,7 @@ fn a_small_ball_shot_at_a_sheet_does_not_slip_between_particles() {
 /// S18: a sheet pinned all round stops a cannon ball or throws it back.
 #[test]
 fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
-    let aims = OFFSETS.into_iter().flat_map(|offset| [8.0, 15.0, 25.0].map(|speed| (offset, speed)));
+    let aims = each_with(OFFSETS, [8.0, 15.0, 25.0]);
     for ((u, v), speed) in aims {
         let mut island = drum(16, 0.0625);
         let start = Vec3::new(u * 0.0625, 0.6, v * 0.0625);
@@ -246,8 +246,7 @@ fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
 /// the ball's path is in front of it, and has slowed it.
 #[test]
 fn a_cannon_ball_does_not_go_through_a_curtain() {
-    let all_settings = [(8, 2), (4, 1)].into_iter().flat_map(|counts| BOTH.map(|both| (counts, both)));
-    for ((substeps, iterations), structural) in all_settings {
+    for ((substeps, iterations), structural) in each_with([(8, 2), (4, 1)], BOTH) {
         for speed in [12.0, 18.0, 25.0] {
             for (x, y) in [(0.0, 1.8), (0.03, 2.1), (-1.0, 1.7), (0.02, 2.5), (1.2, 2.6)] {
                 let settings =

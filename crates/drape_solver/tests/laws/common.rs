@@ -9,8 +9,8 @@ use drape_solver::splitmix::SplitMix64;
 use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island,
-    MeshClothBuilder, Obstacle, Particles, Placement, RigidBody, SelfContact, Shape, StateHasher, StickKind,
-    StickMaterial, StickProjection, StructuralSolve, TopologyBuilder, step,
+    MeshClothBuilder, Obstacle, Particles, Placement, Quality, RigidBody, SelfContact, Shape, StateHasher,
+    StickKind, StickMaterial, StickProjection, StructuralSolve, TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -18,6 +18,19 @@ pub const G: f32 = 9.81;
 
 /// Both solvers of structural sticks.
 pub const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
+
+/// Each of the cases with each of the others.
+pub fn each_with<A: Clone, B>(
+    cases: impl IntoIterator<Item = A>,
+    others: impl IntoIterator<Item = B> + Clone,
+) -> impl Iterator<Item = (A, B)> {
+    cases.into_iter().flat_map(move |case| others.clone().into_iter().map(move |other| (case.clone(), other)))
+}
+
+/// Settings of both solvers: the default swept, the default, and high quality.
+pub fn settings_of_both() -> [BodySettings; 3] {
+    [swept(), BodySettings::default(), Quality::High.into()]
+}
 
 /// The default settings, but swept.
 pub fn swept() -> BodySettings {

@@ -162,13 +162,9 @@ fn points(island: &Island) -> impl Iterator<Item = (usize, Vec3)> {
 /// points of its faces. With lines a fine sheet may be stretched around a pole by ten times for a moment, a few faces across it.
 #[test]
 fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
-    let sheets = [41, 4].into_iter().flat_map(|count| BOTH.map(|structural| (count, structural)));
-    for ((shape, half), (count, structural)) in
-        racing().into_iter().flat_map(|racer| sheets.clone().map(move |sheet| (racer.clone(), sheet)))
-    {
-        for (turn, place) in
-            [0.0, 0.4].into_iter().flat_map(|turn| [2.0, 7.3, 19.0].map(|place| (turn, place)))
-        {
+    let sheets: Vec<_> = each_with([41, 4], BOTH).collect();
+    for ((shape, half), (count, structural)) in each_with(racing(), sheets) {
+        for (turn, place) in each_with([0.0, 0.4], [2.0, 7.3, 19.0]) {
             let mut island = sheet_at(count, 2.0, place, structural);
             let is_in_way = |p: Vec3| p.x.abs().max(p.y.abs()) < 0.6 * half;
             let starts: Vec<Vec3> = particles(&island).positions().collect();

@@ -137,8 +137,7 @@ fn sheet([columns, rows]: [u32; 2], structural: StructuralSolve, isa: Isa) -> (I
 
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    for (size, structural) in [[30, 21], [100, 90]].into_iter().flat_map(|size| BOTH.map(|both| (size, both)))
-    {
+    for (size, structural) in each_with([[30, 21], [100, 90]], BOTH) {
         let hashes: Vec<u64> = Isa::available()
             .into_iter()
             .map(|isa| {
@@ -183,7 +182,7 @@ fn sheet_after(
 #[test]
 fn a_sweep_down_the_strips_gives_the_bits_of_whole_stages() {
     let kinds = [(100, true, false), (64, true, false), (64, false, false), (64, true, true)];
-    for (kind, structural) in kinds.into_iter().flat_map(|kind| BOTH.map(|both| (kind, both))) {
+    for (kind, structural) in each_with(kinds, BOTH) {
         let [whole, staged] = [whole, step_staged].map(|take| sheet_after(kind, structural, 60, take));
         assert_eq!(whole, staged, "{kind:?}, {structural:?}");
     }
@@ -215,7 +214,7 @@ impl Threads for Fresh {
 #[test]
 fn every_number_of_threads_gives_the_same_bits() {
     let kinds = [(250, true, false), (250, false, false)];
-    for (kind, structural) in kinds.into_iter().flat_map(|kind| BOTH.map(|both| (kind, both))) {
+    for (kind, structural) in each_with(kinds, BOTH) {
         let alone = sheet_after(kind, structural, 8, whole);
         for threads in [2, 3, 8] {
             let shared = sheet_after(kind, structural, 8, |island, environment| {

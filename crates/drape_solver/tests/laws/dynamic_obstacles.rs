@@ -100,7 +100,7 @@ fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
     for mass in [0.04, 0.4, 4.0, 40.0, 400.0] {
         for off in [0.0, 0.1] {
             for restitution in [0.0, 0.5, 1.0] {
-                for (friction, pilot) in [0.0, 0.6].into_iter().flat_map(|f| PILOTS.map(|pilot| (f, pilot))) {
+                for (friction, pilot) in each_with([0.0, 0.6], PILOTS) {
                     let what = format!(
                         "{mass} kg, {off} m off, restitution {restitution}, friction {friction}, {pilot:?}"
                     );
@@ -145,7 +145,7 @@ fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
 #[test]
 fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
     for mass in [0.004, 0.04, 0.2, 1.0, 20.0] {
-        for (thickness, pilot) in [0.0, 0.01].into_iter().flat_map(|t| PILOTS.map(|pilot| (t, pilot))) {
+        for (thickness, pilot) in each_with([0.0, 0.01], PILOTS) {
             let what = format!("{mass} kg, {thickness} m, {pilot:?}");
             let cloth = free_cloth(thickness);
             let (middle, along, normal) = (centre(&cloth), along(&cloth), normal(&cloth));
@@ -183,7 +183,7 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
 fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
     const SPEED: f32 = 5.0;
     let masses = [(0.02, 4), (0.2, 4), (2.0, 4), (0.02, 1), (0.002, 1)];
-    for ((mass, iterations), pilot) in masses.into_iter().flat_map(|mass| PILOTS.map(|pilot| (mass, pilot))) {
+    for ((mass, iterations), pilot) in each_with(masses, PILOTS) {
         let mut cloth = free_cloth(0.01);
         cloth.settings.iterations = iterations;
         let count = cloth.particles.len();
@@ -291,7 +291,7 @@ fn an_obstacle_that_an_engine_moves_arrives_as_planned_if_nothing_touches_it() {
 /// Light boxes come to rest; heavy ones swing for longer.
 #[test]
 fn a_trampoline_carries_the_weight_of_a_box() {
-    for (mass, pilot) in [0.05, 0.5, 5.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+    for (mass, pilot) in each_with([0.05, 0.5, 5.0], PILOTS) {
         let lying = ClothBuilder::new(1.0, 1.0, 17, 17).placed(Vec3::new(-0.5, 0.0, -0.5), Vec3::X, Vec3::Z);
         let settings = BodySettings { thickness: 0.01, friction: 0.5, ..BodySettings::default() };
         let mut sheet = lying.build(settings).expect("valid");
@@ -341,10 +341,9 @@ fn box_over_a_net(structural: StructuralSolve, mass: f32, turn: f32, speed: f32,
 fn a_light_net_holds_a_heavy_box() {
     // Metres: how far the middle of the net comes down if it stretches by 2 %.
     const MOST_SAG: f32 = 0.161;
-    for (mass, pilot) in [1.0, 4.0, 100.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+    for (mass, pilot) in each_with([1.0, 4.0, 100.0], PILOTS) {
         let falls = [(0.0, 1.0), (0.0, 5.0), (0.3, 1.0)];
-        for ((turn, speed), structural) in falls.into_iter().flat_map(|fall| BOTH.map(|solve| (fall, solve)))
-        {
+        for ((turn, speed), structural) in each_with(falls, BOTH) {
             let mut scene = box_over_a_net(structural, mass, turn, speed, pilot);
             let what = format!("{mass} kg, turned by {turn}, {speed} m/s, {pilot:?}, {structural:?}");
             let (mut given, mut has_fallen) = (0.0, false);
@@ -408,7 +407,7 @@ fn box_over_a_sheet_on_the_ground(mass: f32, gap: f32, pilot: Pilot) -> Scene {
 /// and a heavy one fell through, as each particle took its share of every push and the ground gave it back to the particle alone.
 #[test]
 fn cloth_on_the_ground_carries_a_box() {
-    for (mass, pilot) in [0.05, 0.5, 5.0, 500.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+    for (mass, pilot) in each_with([0.05, 0.5, 5.0, 500.0], PILOTS) {
         let mut scene = box_over_a_sheet_on_the_ground(mass, 0.1, pilot);
         let what = format!("{mass} kg, {pilot:?}");
         let mut before = Placement::default();
@@ -450,7 +449,7 @@ fn a_box_does_not_rebound_from_cloth_on_the_ground() {
 /// A box slides on cloth on the ground as on the ground: the one pushes on what the other holds fast.
 #[test]
 fn cloth_on_the_ground_stops_a_box_by_coulombs_law() {
-    for (mass, pilot) in [0.05, 5.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+    for (mass, pilot) in each_with([0.05, 5.0], PILOTS) {
         let mut scene = box_over_a_sheet_on_the_ground(mass, 0.0, pilot);
         let mut start = cube(mass);
         start.velocity = Vec3::X * 0.8;

@@ -1,7 +1,7 @@
 //! Impact zones stop balls that contacts cannot stop: no ball's centre gets to the other side of a cloth.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{BodySettings, ClothBuilder, Island, Quality};
+use drape_solver::{BodySettings, ClothBuilder, Island};
 
 use crate::common::*;
 
@@ -36,10 +36,7 @@ fn is_in_front(island: &Island) -> bool {
 #[test]
 fn no_ball_passes_a_sheet_that_is_pinned_all_round() {
     let shots = [(16, 20.0, 25.0), (32, 2.0, 40.0), (32, 20.0, 25.0), (32, 200.0, 100.0)];
-    let all_settings = [swept(), BodySettings::default(), Quality::High.into()];
-    for (settings, (count, mass, speed)) in
-        all_settings.into_iter().flat_map(|settings| shots.map(|shot| (settings, shot)))
-    {
+    for (settings, (count, mass, speed)) in each_with(settings_of_both(), shots) {
         let mut island = sheet(count, settings);
         let start = Vec3::new(0.13, 0.07, 0.3);
         island.balls.push(ball(smooth(0.1, mass), start, Vec3::new(0.1, -0.05, -1.0).normalize() * speed));

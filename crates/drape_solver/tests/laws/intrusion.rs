@@ -99,8 +99,7 @@ fn after_appearing(centre: Vec3, by_teleport: bool, structural: StructuralSolve)
 #[test]
 fn a_teleported_obstacle_does_not_throw_the_cloth() {
     for centre in [Vec3::new(0.03, -0.9, 0.1), Vec3::new(0.2, -0.6, -0.08), Vec3::new(0.0, -1.2, 0.25)] {
-        let cases = [true, false].into_iter().flat_map(|by_teleport| BOTH.map(|solve| (by_teleport, solve)));
-        for (by_teleport, structural) in cases {
+        for (by_teleport, structural) in each_with([true, false], BOTH) {
             let (fastest, at_end, island) = after_appearing(centre, by_teleport, structural);
             assert!(fastest < 20.0, "{fastest} m/s at {centre}");
             // The hem of the curtain, which falls back, reaches 5.4 m/s, and its corners more.

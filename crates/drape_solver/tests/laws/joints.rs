@@ -2,8 +2,7 @@
 
 use drape_solver::glam::{BVec3, DVec3, Quat, Vec3};
 use drape_solver::{
-    Body, BodySettings, ClothBuilder, Environment, Island, Placement, RigidBody, RopeBuilder, Shape,
-    StructuralSolve, step,
+    Body, BodySettings, ClothBuilder, Environment, Island, Placement, RigidBody, RopeBuilder, Shape, step,
 };
 
 use crate::common::*;
@@ -129,7 +128,7 @@ fn hanging_rope(particles: u32, settings: BodySettings) -> Body {
 /// and the rope carries its weight.
 #[test]
 fn a_box_hangs_at_the_end_of_a_rope() {
-    for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
+    for structural in BOTH {
         for mass in [0.01, 0.1, 1.0, 10.0, 100.0] {
             let what = format!("{mass} kg, {structural:?}");
             let rope = hanging_rope(40, BodySettings { structural, ..BodySettings::default() });
@@ -217,7 +216,7 @@ fn a_box_on_a_stick_swings_with_the_period_of_a_double_pendulum() {
 /// to 1 %, and no energy is gained, from a hundredth to a hundred times the mass of the other box.
 #[test]
 fn two_boxes_on_a_rope_keep_momentum_and_gain_no_energy() {
-    for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
+    for structural in BOTH {
         for mass in [0.04, 0.4, 4.0, 40.0, 400.0] {
             let what = format!("{mass} kg, {structural:?}");
             let settings = BodySettings { structural, drag: 0.0, ..BodySettings::default() };

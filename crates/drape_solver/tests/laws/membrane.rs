@@ -175,9 +175,7 @@ fn a_sheared_frame_leans_by_its_load() {
 #[test]
 fn a_free_elastic_sheet_keeps_its_momentum_and_gains_no_energy() {
     let kinds = [([26, 21], false), ([26, 21], true), ([6, 5], true), ([50, 5], true)];
-    for (([columns, rows], is_slit), stiffness) in
-        kinds.into_iter().flat_map(|kind| [20.0, 2e3, 2e5].map(|stiffness| (kind, stiffness)))
-    {
+    for (([columns, rows], is_slit), stiffness) in each_with(kinds, [20.0, 2e3, 2e5]) {
         for quality in [Quality::Low, Quality::Medium, Quality::High] {
             let sheet = ClothBuilder::new(0.5, 0.4, columns, rows)
                 .material(cloth(MembraneStiffness::balanced(stiffness, 0.1 * stiffness)));
@@ -282,8 +280,7 @@ fn a_cut_strip_stays_stretched() {
 /// energy from each other.
 #[test]
 fn a_strip_that_resists_shear_bears_heavy_loads() {
-    for (particles, shear) in [[6, 9], [11, 21]].into_iter().flat_map(|size| [20.0, 200.0].map(|g| (size, g)))
-    {
+    for (particles, shear) in each_with([[6, 9], [11, 21]], [20.0, 200.0]) {
         for load in [100.0, 200.0, 500.0] {
             let strip = Specimen { size: [0.1, 0.2], particles, load: Vec3::NEG_Y * load };
             let membrane = MembraneStiffness { warp: 1e4, weft: 2e4, shear };
@@ -303,10 +300,7 @@ fn a_strip_that_resists_shear_bears_heavy_loads() {
 /// constants, and hung on sticks that sweeps relax: soft ones.
 #[test]
 fn a_strip_that_is_slit_lengthwise_stretches_by_its_load() {
-    for (particles, quality) in [[6, 9], [11, 21], [33, 65]]
-        .into_iter()
-        .flat_map(|particles| [Quality::Medium, Quality::High].map(|quality| (particles, quality)))
-    {
+    for (particles, quality) in each_with([[6, 9], [11, 21], [33, 65]], [Quality::Medium, Quality::High]) {
         // Slits along a column and between two; then two cuts through the whole strip.
         let spacing = 0.1 / (particles[0] - 1) as f32;
         let column = (0.02 / spacing).round();

@@ -39,7 +39,7 @@ fn cloth_that_is_pulled_too_far_does_not_shake() {
     for (held, has_slit) in [(24, false), (12, false), (24, true)] {
         for length in [1.03, 1.1, 1.4] {
             let case = format!("{held} rows held at {length} m, slit: {has_slit}");
-            let [swept, solved] = [StructuralSolve::Sweeps, StructuralSolve::Lines].map(|structural| {
+            let [swept, solved] = BOTH.map(|structural| {
                 let mut island = pulled(length, held, has_slit, structural);
                 run(&mut island, &weightless(FRAME), 2.0);
                 let mut fastest = 0.0_f32;

@@ -36,9 +36,7 @@ fn check(sizes: &[u32]) {
         for corners in [false, true] {
             for (substeps, iterations) in [(1, 1), (1, 2), (4, 1), (4, 2), (16, 1), (16, 2)] {
                 for tethers in [true, false] {
-                    for (violent, structural) in
-                        [false, true].into_iter().flat_map(|violent| BOTH.map(|both| (violent, both)))
-                    {
+                    for (violent, structural) in each_with([false, true], BOTH) {
                         let trial =
                             Trial { particles, corners, substeps, iterations, tethers, violent, structural };
                         let gain = gained(&trial);

@@ -1,9 +1,7 @@
 //! A mirrored scene gives the mirrored result.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{
-    BallMaterial, BodySettings, ClothBuilder, Environment, Island, Placement, Shape, StructuralSolve, Wind,
-};
+use drape_solver::{BallMaterial, BodySettings, ClothBuilder, Environment, Island, Placement, Shape, Wind};
 
 use crate::common::*;
 
@@ -54,7 +52,7 @@ fn greatest_error(mirror: Vec3, settings: BodySettings) -> f32 {
 /// and self-contact.)
 #[test]
 fn a_mirrored_scene_gives_the_mirrored_result() {
-    for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
+    for structural in BOTH {
         let settings = BodySettings { structural, ..BodySettings::default() };
         let planes = [Vec3::X, Vec3::Y, Vec3::Z].map(|normal| Vec3::ONE - 2.0 * normal);
         for mirror in planes.into_iter().chain([Vec3::NEG_ONE]) {

@@ -3,8 +3,8 @@
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, BodySettings, ClothBuilder, Edge, Isa, Island, Obstacle, Quality, RopeBuilder, StateHasher,
-    StructuralSolve, TearLimits, Torn, step,
+    Body, BodySettings, ClothBuilder, Edge, Isa, Island, Obstacle, RopeBuilder, StateHasher, StructuralSolve,
+    TearLimits, Torn, step,
 };
 
 use crate::common::*;
@@ -175,11 +175,7 @@ fn what_is_cut_off_falls_as_a_free_body() {
 /// No stick and no tether crosses a cut: those that still join the two sides go around its end.
 #[test]
 fn a_cut_opens_and_nothing_holds_its_sides_together() {
-    let all_settings = [swept(), BodySettings::default(), Quality::High.into()];
-    for ((columns, rows), settings) in [(40, 40), (20, 20), (9, 9)]
-        .into_iter()
-        .flat_map(|size| all_settings.map(|settings| (size, settings)))
-    {
+    for ((columns, rows), settings) in each_with([(40, 40), (20, 20), (9, 9)], settings_of_both()) {
         let mut body = ClothBuilder::new(1.0, 1.0, columns, rows)
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Left)
